@@ -1,3 +1,82 @@
+//! Removes the thermal part of a gyroscope's bias, sample by sample, in fixed time.
+//!
+//! A gyro at rest should read zero. What it reads instead, its *bias*, moves with temperature
+//! and with how fast the temperature changes. This crate evaluates a fitted model of that bias
+//! beside the sampling loop and subtracts it: no heap, no panics, no `unsafe`, and only f32
+//! `+ - *`, comparison and selection per sample, so that an x86 host and a Cortex-M compute the
+//! same bits.
+//!
+//! Data flows one way through one small module each:
+//!
+//! ```text
+//! temperature -> conditioner -> estimator -> thermal -> table -> compensator -> compensated
+//!                (believable?)  (T', lag)    (u, T')    (bias)   (raw - bias)   + bias + status
+//! ```
+//!
+//! With `T` the conditioned temperature \[degC\] and `L` its first-order filtered value, the
+//! bias of one axis is
+//!
+//! ```text
+//! T' = (T - L) / tau                          rate of temperature       [degC/min]
+//! u  = T - kappa (T - L)                      effective temperature     [degC]
+//! z  = (u - t_min) / cell_width - k           place within cell k       [0, 1)
+//! B  = a0 + a1 z + a2 z^2 + T' (r0 + r1 z)    bias                      [unit of the axis]
+//! ```
+//!
+//! which is the composite model of Weng et al., *Sensors* 2020, 20(2), 377 for `kappa = 0`.
+//! Configuration ([`Table`]) is immutable and can live in flash; all state is in the
+//! [`Compensator`].
+//!
+//! # Example
+//!
+//! ```
+//! use tempco::{Compensator, Interval, Status, Table, Terms, Thermal, ThermalSettings};
+//!
+//! // One axis, two cells over -40..80 degC: the bias rises by 0.01 per degC, and by 0.5 for
+//! // each degC/min. A bad table stops the build, because this is evaluated at compile time.
+//! const CELLS: [[Terms; 1]; 2] = [
+//!     [Terms { a: [-0.4, 0.6, 0.0], r: [0.5, 0.0] }],
+//!     [Terms { a: [0.2, 0.6, 0.0], r: [0.5, 0.0] }],
+//! ];
+//! const THERMAL: Thermal = match Thermal::new(ThermalSettings::DEFAULT) {
+//!     Ok(thermal) => thermal,
+//!     Err(error) => panic!("{}", error.message()),
+//! };
+//! static TABLE: Table<1> = match Table::new(THERMAL, -40.0, 80.0, &CELLS) {
+//!     Ok(table) => table,
+//!     Err(error) => panic!("{}", error.message()),
+//! };
+//! const SECOND: Interval = Interval::new(&THERMAL, 1.0);
+//!
+//! let mut unit = Compensator::new(&TABLE);
+//! unit.start(25.0);
+//! let out = unit.step(&SECOND, 25.0, [0.30]);
+//! assert!((out.bias[0] - 0.25).abs() < 1e-6);
+//! assert!((out.compensated[0] - 0.05).abs() < 1e-6);
+//!
+//! // A broken sensor: the last good temperature is held and the status says so.
+//! let out = unit.step(&SECOND, f32::NAN, [0.30]);
+//! assert!((out.bias[0] - 0.25).abs() < 1e-6);
+//! assert!(out.status.contains(Status::TEMPERATURE_INVALID));
+//! ```
 #![no_std]
 #![forbid(unsafe_code)]
-//! x
+
+mod compensator;
+mod conditioner;
+mod estimator;
+mod interval;
+mod status;
+mod table;
+mod thermal;
+mod two_rate;
+
+#[cfg(test)]
+extern crate std;
+
+pub use compensator::{Compensator, Output};
+pub use interval::Interval;
+pub use status::{Status, Validity};
+pub use table::{MAX_CELLS, Place, Table, TableError, Terms};
+pub use thermal::{Thermal, ThermalPoint, ThermalSettings, ThermalState};
+pub use two_rate::TwoRateCompensator;

@@ -1,0 +1,138 @@
+//! What the compensator says about its own output.
+
+use core::ops::{BitOr, BitOrAssign};
+
+/// A set of flags that goes with every output; empty means nothing to remark.
+///
+/// Flags describe the present sample; how long a fault is remembered is said at each flag.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Status(u16);
+
+/// The three classes a system's monitor acts on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Validity {
+    /// Nothing to remark.
+    Valid,
+    /// Compensated with stale, clamped or still settling thermal data.
+    Degraded,
+    /// Only the constant bias is applied, or the gyro sample itself is not a number.
+    Invalid,
+}
+
+impl Status {
+    /// No flag set.
+    pub const OK: Self = Self(0);
+    /// The temperature was not finite or outside the sensor's range; the last good one is held.
+    pub const TEMPERATURE_INVALID: Self = Self(1 << 0);
+    /// The temperature changed faster than is believable; the last good one is held.
+    pub const TEMPERATURE_SPIKE: Self = Self(1 << 1);
+    /// No believable temperature for longer than the hold time: the bias ramps to, and stays at,
+    /// its value at the reference temperature.
+    pub const TEMPERATURE_LOST: Self = Self(1 << 2);
+    /// A start, restart or rejected temperature lies so little back that the rate estimate or the
+    /// applied bias may still be settling.
+    pub const SETTLING: Self = Self(1 << 3);
+    /// The interval since the last thermal update was not positive, or longer than half the
+    /// estimator's time constant (the estimator then restarts).
+    pub const INTERVAL_INVALID: Self = Self(1 << 4);
+    /// The effective temperature lies outside the calibrated range and was clamped to it.
+    pub const TEMPERATURE_CLAMPED: Self = Self(1 << 5);
+    /// The rate of temperature lies outside the calibrated range and was clamped to it.
+    pub const RATE_CLAMPED: Self = Self(1 << 6);
+    /// A gyro sample is NaN or infinite; it is passed through, no state is touched by it.
+    pub const RAW_INVALID: Self = Self(1 << 7);
+
+    /// Every flag with its name, in the order of the bits.
+    pub const NAMES: [(Self, &'static str); 8] = [
+        (Self::TEMPERATURE_INVALID, "temperature_invalid"),
+        (Self::TEMPERATURE_SPIKE, "temperature_spike"),
+        (Self::TEMPERATURE_LOST, "temperature_lost"),
+        (Self::SETTLING, "settling"),
+        (Self::INTERVAL_INVALID, "interval_invalid"),
+        (Self::TEMPERATURE_CLAMPED, "temperature_clamped"),
+        (Self::RATE_CLAMPED, "rate_clamped"),
+        (Self::RAW_INVALID, "raw_invalid"),
+    ];
+
+    /// The flags as bits, for storing and sending.
+    pub const fn bits(self) -> u16 {
+        self.0
+    }
+
+    /// The flags from bits; bits without a meaning are kept.
+    pub const fn from_bits(bits: u16) -> Self {
+        Self(bits)
+    }
+
+    /// Whether all flags of `other` are set.
+    pub const fn contains(self, other: Self) -> bool {
+        self.0 & other.0 == other.0
+    }
+
+    /// Whether any flag of `other` is set.
+    pub const fn intersects(self, other: Self) -> bool {
+        self.0 & other.0 != 0
+    }
+
+    /// The flags where `condition` holds, else none.
+    pub(crate) const fn when(self, condition: bool) -> Self {
+        if condition { self } else { Self::OK }
+    }
+
+    /// The class a monitor acts on.
+    pub const fn validity(self) -> Validity {
+        if self.intersects(Self(Self::TEMPERATURE_LOST.0 | Self::RAW_INVALID.0)) {
+            Validity::Invalid
+        } else if self.0 != 0 {
+            Validity::Degraded
+        } else {
+            Validity::Valid
+        }
+    }
+}
+
+impl BitOr for Status {
+    type Output = Self;
+    fn bitor(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+}
+
+impl BitOrAssign for Status {
+    fn bitor_assign(&mut self, other: Self) {
+        self.0 |= other.0;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_name_belongs_to_one_bit_of_its_own() {
+        for (position, (flag, _)) in Status::NAMES.iter().enumerate() {
+            assert_eq!(flag.bits(), 1 << position);
+        }
+    }
+
+    #[test]
+    fn validity_is_the_worst_of_the_flags() {
+        assert_eq!(Status::OK.validity(), Validity::Valid);
+        for (flag, name) in Status::NAMES {
+            let invalid = name == "temperature_lost" || name == "raw_invalid";
+            let expected = if invalid {
+                Validity::Invalid
+            } else {
+                Validity::Degraded
+            };
+            assert_eq!(flag.validity(), expected, "{name}");
+            assert_eq!(
+                (flag | Status::RAW_INVALID).validity(),
+                Validity::Invalid,
+                "{name}"
+            );
+        }
+    }
+}

@@ -1,0 +1,346 @@
+//! The coefficient table: the bias model as cells of equal width over the calibrated range.
+
+use core::fmt;
+
+use crate::thermal::clamp;
+use crate::{Status, Thermal, ThermalPoint};
+
+/// The most cells a table can have.
+pub const MAX_CELLS: usize = 1024;
+
+/// Largest magnitude of a coefficient \[unit of the axis\]. With the bounds on rates it keeps
+/// every intermediate result finite in f32.
+const MAX_COEFFICIENT: f32 = 1e30;
+
+/// The coefficients of one axis in one cell, lowest power first.
+///
+/// `z` runs from 0 at the cold edge of the cell to 1 at its hot edge, so `a[0]` is the bias at
+/// the cold edge and `a[0] + a[1] + a[2]` the bias at the hot edge.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[repr(C)]
+pub struct Terms {
+    /// Bias at zero rate: `a[0] + a[1] z + a[2] z^2` \[unit of the axis\].
+    pub a: [f32; 3],
+    /// Bias per rate: `r[0] + r[1] z` \[unit of the axis per degC/min\].
+    pub r: [f32; 2],
+}
+
+impl Terms {
+    /// The bias at place `z` in the cell and rate `rate_c_per_min`
+    /// (the composite model of Weng et al. 2020 in the basis of the cell).
+    #[inline]
+    pub fn bias(&self, z: f32, rate_c_per_min: f32) -> f32 {
+        let [a0, a1, a2] = self.a;
+        let [r0, r1] = self.r;
+        (a0 + z * (a1 + z * a2)) + rate_c_per_min * (r0 + z * r1)
+    }
+
+    const fn is_usable(&self) -> bool {
+        let values = [self.a[0], self.a[1], self.a[2], self.r[0], self.r[1]];
+        let mut i = 0;
+        while i < values.len() {
+            if !is_within(values[i], -MAX_COEFFICIENT, MAX_COEFFICIENT) {
+                return false;
+            }
+            i += 1;
+        }
+        true
+    }
+}
+
+/// A checked coefficient table for `AXES` axes that share one temperature.
+///
+/// The cells are borrowed: they can be a const in flash or a buffer on a host. A fit's segments,
+/// of whatever widths, are represented by cells of one width, which makes finding the cell one
+/// multiplication (and its cost independent of the temperature).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Table<'a, const AXES: usize> {
+    thermal: Thermal,
+    t_min_c: f32,
+    t_max_c: f32,
+    cells_per_c: f32,
+    /// The largest f32 below the number of cells, so that `t_max_c` falls into the last one.
+    last_place: f32,
+    cells: &'a [[Terms; AXES]],
+}
+
+/// Where an effective temperature falls in a table.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Place {
+    /// Number of the cell, 0 for the coldest.
+    pub cell: usize,
+    /// Place within the cell, 0 to below 1.
+    pub z: f32,
+    /// [`Status::TEMPERATURE_CLAMPED`] or nothing.
+    pub status: Status,
+}
+
+impl<'a, const AXES: usize> Table<'a, AXES> {
+    /// Makes a table of `cells` of equal width from `t_min_c` to `t_max_c` \[degC\].
+    ///
+    /// In a const a bad table stops the build; see the example of the crate.
+    ///
+    /// # Errors
+    /// A range that is empty or not finite or that the sensor cannot report, no cells or more
+    /// than [`MAX_CELLS`], or a coefficient that is not finite or beyond 1e30.
+    pub const fn new(
+        thermal: Thermal,
+        t_min_c: f32,
+        t_max_c: f32,
+        cells: &'a [[Terms; AXES]],
+    ) -> Result<Self, TableError> {
+        let sensor = &thermal.settings;
+        if !is_within(t_min_c, sensor.sensor_min_c, sensor.sensor_max_c) {
+            return Err(TableError::Setting("t_min_c"));
+        }
+        if !is_within(t_max_c, t_min_c + 1e-3, sensor.sensor_max_c) {
+            return Err(TableError::Setting("t_max_c"));
+        }
+        if cells.is_empty() || cells.len() > MAX_CELLS {
+            return Err(TableError::CellCount);
+        }
+        let mut cell = 0;
+        while cell < cells.len() {
+            let mut axis = 0;
+            while axis < AXES {
+                if !cells[cell][axis].is_usable() {
+                    return Err(TableError::Coefficient { cell, axis });
+                }
+                axis += 1;
+            }
+            cell += 1;
+        }
+        let count = cells.len() as f32;
+        Ok(Self {
+            thermal,
+            t_min_c,
+            t_max_c,
+            cells_per_c: count / (t_max_c - t_min_c),
+            last_place: count.next_down(),
+            cells,
+        })
+    }
+
+    /// The settings of the thermal path.
+    pub const fn thermal(&self) -> &Thermal {
+        &self.thermal
+    }
+
+    /// Cold end of the calibrated range \[degC\].
+    pub const fn t_min_c(&self) -> f32 {
+        self.t_min_c
+    }
+
+    /// Hot end of the calibrated range \[degC\].
+    pub const fn t_max_c(&self) -> f32 {
+        self.t_max_c
+    }
+
+    /// The cells, coldest first.
+    pub const fn cells(&self) -> &'a [[Terms; AXES]] {
+        self.cells
+    }
+
+    /// Finds the cell of an effective temperature; outside the calibrated range, its nearest end.
+    #[inline]
+    pub fn place(&self, effective_c: f32) -> Place {
+        let clamped = effective_c < self.t_min_c || effective_c > self.t_max_c;
+        let place = clamp(
+            (effective_c - self.t_min_c) * self.cells_per_c,
+            0.0,
+            self.last_place,
+        );
+        let cell = place as u32;
+        Place {
+            cell: cell as usize,
+            z: place - cell as f32,
+            status: Status::TEMPERATURE_CLAMPED.when(clamped),
+        }
+    }
+
+    /// The bias of every axis at a thermal point \[unit of each axis\].
+    ///
+    /// # Timing
+    /// No branch depends on the data.
+    #[inline]
+    pub fn bias(&self, point: &ThermalPoint) -> ([f32; AXES], Status) {
+        let place = self.place(point.effective_c);
+        // `place` never exceeds the last cell, so the alternative is never taken; it is there so
+        // that the compiler need not provide for a panic.
+        let bias = match self.cells.get(place.cell) {
+            Some(cell) => {
+                core::array::from_fn(|axis| cell[axis].bias(place.z, point.rate_c_per_min))
+            }
+            None => [0.0; AXES],
+        };
+        (bias, point.status | place.status)
+    }
+}
+
+/// Why a table or its settings were refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum TableError {
+    /// The named setting is not finite or outside its range.
+    Setting(&'static str),
+    /// There is no cell, or more than [`MAX_CELLS`].
+    CellCount,
+    /// A coefficient is not finite or its magnitude exceeds 1e30.
+    Coefficient {
+        /// Number of the cell, 0 for the coldest.
+        cell: usize,
+        /// Number of the axis.
+        axis: usize,
+    },
+}
+
+impl TableError {
+    /// The reason in words, also where nothing can be formatted (a const panic).
+    pub const fn message(self) -> &'static str {
+        match self {
+            Self::Setting(name) => name,
+            Self::CellCount => "a table needs 1 to 1024 cells",
+            Self::Coefficient { .. } => "a coefficient is not finite or beyond 1e30",
+        }
+    }
+}
+
+impl fmt::Display for TableError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Setting(name) => write!(f, "setting {name} is not finite or out of range"),
+            Self::CellCount => f.write_str(self.message()),
+            Self::Coefficient { cell, axis } => {
+                write!(f, "{} (cell {cell}, axis {axis})", self.message())
+            }
+        }
+    }
+}
+
+impl core::error::Error for TableError {}
+
+/// Whether `value` lies in `low..=high`; NaN does not.
+pub(crate) const fn is_within(value: f32, low: f32, high: f32) -> bool {
+    value >= low && value <= high
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ThermalSettings;
+
+    const LINE: Terms = Terms {
+        a: [1.0, 2.0, 0.0],
+        r: [0.5, 0.25],
+    };
+
+    fn thermal() -> Thermal {
+        Thermal::new(ThermalSettings::DEFAULT).unwrap()
+    }
+
+    #[test]
+    fn bias_is_the_five_term_polynomial() {
+        let terms = Terms {
+            a: [1.0, 2.0, 4.0],
+            r: [8.0, 16.0],
+        };
+        assert_eq!(terms.bias(0.0, 0.0), 1.0);
+        assert_eq!(terms.bias(0.5, 0.0), 1.0 + 1.0 + 1.0);
+        assert_eq!(terms.bias(0.5, 2.0), 3.0 + 2.0 * (8.0 + 8.0));
+    }
+
+    #[test]
+    fn every_temperature_has_its_cell_and_the_ends_are_held() {
+        let cells = [[LINE]; 19];
+        let table = Table::new(thermal(), -15.0, 80.0, &cells).unwrap();
+        for (temp, cell, z) in [
+            (-15.0, 0, 0.0),
+            (-10.0, 1, 0.0),
+            (-12.5, 0, 0.5),
+            (77.5, 18, 0.5),
+        ] {
+            let place = table.place(temp);
+            assert_eq!(
+                (place.cell, place.z, place.status),
+                (cell, z, Status::OK),
+                "{temp}"
+            );
+        }
+        let top = table.place(80.0);
+        assert_eq!((top.cell, top.status), (18, Status::OK));
+        assert!(top.z > 0.99999 && top.z < 1.0);
+        for outside in [-15.001, -1e30, f32::NEG_INFINITY] {
+            let place = table.place(outside);
+            assert_eq!((place.cell, place.z), (0, 0.0));
+            assert_eq!(place.status, Status::TEMPERATURE_CLAMPED);
+        }
+        for outside in [80.001, 3e38, f32::INFINITY] {
+            let place = table.place(outside);
+            assert_eq!((place.cell, place.z), (18, top.z));
+            assert_eq!(place.status, Status::TEMPERATURE_CLAMPED);
+        }
+    }
+
+    #[test]
+    fn bad_tables_are_refused_by_name() {
+        let good = [[LINE; 2]; 3];
+        let refused = |t_min, t_max, cells: &[[Terms; 2]]| {
+            Table::new(thermal(), t_min, t_max, cells).unwrap_err()
+        };
+        assert_eq!(
+            refused(f32::NAN, 80.0, &good),
+            TableError::Setting("t_min_c")
+        );
+        assert_eq!(refused(10.0, 10.0, &good), TableError::Setting("t_max_c"));
+        assert_eq!(
+            refused(10.0, f32::INFINITY, &good),
+            TableError::Setting("t_max_c")
+        );
+        assert_eq!(refused(10.0, 20.0, &[]), TableError::CellCount);
+        assert_eq!(
+            refused(10.0, 20.0, &[[LINE; 2]; MAX_CELLS + 1]),
+            TableError::CellCount
+        );
+        for bad in [f32::NAN, f32::INFINITY, -2e30] {
+            for place in 0..5 {
+                let mut cells = good;
+                match place {
+                    0..3 => cells[1][1].a[place] = bad,
+                    _ => cells[1][1].r[place - 3] = bad,
+                }
+                assert_eq!(
+                    refused(10.0, 20.0, &cells),
+                    TableError::Coefficient { cell: 1, axis: 1 }
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn bad_settings_are_refused_by_name() {
+        macro_rules! refuse {
+            ($($name:ident: $($value:expr),+;)+) => {$($(
+                let settings = ThermalSettings { $name: $value, ..ThermalSettings::DEFAULT };
+                assert_eq!(Thermal::new(settings).unwrap_err(), TableError::Setting(stringify!($name)));
+                let settings = ThermalSettings { $name: f32::NAN, ..ThermalSettings::DEFAULT };
+                assert_eq!(Thermal::new(settings).unwrap_err(), TableError::Setting(stringify!($name)));
+            )+)+};
+        }
+        refuse! {
+            sensor_min_c: -300.0;
+            sensor_max_c: -61.0, f32::INFINITY;
+            spike_gate_c: 0.0;
+            max_slew_c_per_min: 0.0, -1.0;
+            hold_s: -1.0;
+            heal_s: -1.0;
+            tau_s: 0.0, f32::INFINITY;
+            kappa: -0.1, 2.1;
+            rate_min_c_per_min: 0.1;
+            rate_max_c_per_min: -0.1;
+            reference_c: -61.0, 151.0;
+        }
+    }
+}

@@ -1,0 +1,213 @@
+//! The thermal path shared by all axes of a unit: settings, and the point at which the bias
+//! model is evaluated.
+
+use crate::conditioner::Conditioner;
+use crate::estimator::RateEstimator;
+use crate::table::{TableError, is_within};
+use crate::{Interval, Status};
+
+/// Physical settings of the thermal path, as the fit used them and the firmware must.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct ThermalSettings {
+    /// Lowest temperature the sensor can report \[degC\]; below it the sensor is taken as broken.
+    pub sensor_min_c: f32,
+    /// Highest temperature the sensor can report \[degC\].
+    pub sensor_max_c: f32,
+    /// Largest believable jump between neighbouring temperatures beyond `max_slew_c_per_min`
+    /// \[degC\]: noise and quantisation of the sensor, generously.
+    pub spike_gate_c: f32,
+    /// Fastest change the part can undergo \[degC/min\]. Bounds what is believed after a fault,
+    /// and the speed at which the effective temperature, and with it the bias, may move.
+    pub max_slew_c_per_min: f32,
+    /// How long the last good temperature is held before it is given up \[s\].
+    pub hold_s: f32,
+    /// How long [`Status::SETTLING`] outlasts a rejected temperature \[s\].
+    pub heal_s: f32,
+    /// Time constant of the rate estimator \[s\].
+    pub tau_s: f32,
+    /// Shift of the effective temperature along the sensor's lag, 0 to 2; 0 is the paper.
+    pub kappa: f32,
+    /// Lowest calibrated rate of temperature \[degC/min\], at most 0.
+    pub rate_min_c_per_min: f32,
+    /// Highest calibrated rate of temperature \[degC/min\], at least 0.
+    pub rate_max_c_per_min: f32,
+    /// The temperature whose bias is the constant bias, applied alone when the temperature is
+    /// lost \[degC\].
+    pub reference_c: f32,
+}
+
+impl ThermalSettings {
+    /// What the fit starts from: a sensor range of -60 to 150 degC, believable jumps of 2 degC
+    /// beyond 30 degC/min, 60 s of hold, a 60 s estimator without shift.
+    pub const DEFAULT: Self = Self {
+        sensor_min_c: -60.0,
+        sensor_max_c: 150.0,
+        spike_gate_c: 2.0,
+        max_slew_c_per_min: 30.0,
+        hold_s: 60.0,
+        heal_s: 10.0,
+        tau_s: 60.0,
+        kappa: 0.0,
+        rate_min_c_per_min: -30.0,
+        rate_max_c_per_min: 30.0,
+        reference_c: 25.0,
+    };
+}
+
+/// Checked [`ThermalSettings`] with what follows from them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Thermal {
+    pub(crate) settings: ThermalSettings,
+    /// Width of the gate at which the hold time is over \[degC\].
+    pub(crate) lost_gate_c: f32,
+    pub(crate) per_tau_hz: f32,
+    /// Shift of the effective temperature per rate, `kappa tau` \[min\].
+    pub(crate) shift_min: f32,
+    /// Three time constants: the rate estimate is then within 5 % of a new ramp \[s\].
+    pub(crate) settle_s: f32,
+}
+
+impl Thermal {
+    /// Checks the settings.
+    ///
+    /// # Errors
+    /// Names the first setting that is not finite or outside its range.
+    pub const fn new(settings: ThermalSettings) -> Result<Self, TableError> {
+        let s = &settings;
+        macro_rules! check {
+            ($name:ident, $low:expr, $high:expr) => {
+                if !is_within(s.$name, $low, $high) {
+                    return Err(TableError::Setting(stringify!($name)));
+                }
+            };
+        }
+        check!(sensor_min_c, -273.15, 1e3);
+        check!(sensor_max_c, s.sensor_min_c, 1e3);
+        check!(spike_gate_c, 1e-3, 1e3);
+        check!(max_slew_c_per_min, 1e-3, 1e4);
+        check!(hold_s, 0.0, 1e6);
+        check!(heal_s, 0.0, 1e6);
+        check!(tau_s, 0.1, 1e5);
+        check!(kappa, 0.0, 2.0);
+        check!(rate_min_c_per_min, -1e4, 0.0);
+        check!(rate_max_c_per_min, 0.0, 1e4);
+        check!(reference_c, s.sensor_min_c, s.sensor_max_c);
+        Ok(Self {
+            lost_gate_c: s.spike_gate_c + s.max_slew_c_per_min * s.hold_s / 60.0,
+            per_tau_hz: 1.0 / s.tau_s,
+            shift_min: s.kappa * s.tau_s / 60.0,
+            settle_s: 3.0 * s.tau_s,
+            settings,
+        })
+    }
+
+    /// The settings this was made from.
+    pub const fn settings(&self) -> &ThermalSettings {
+        &self.settings
+    }
+
+    /// The longest time between two thermal updates \[s\]: half the time constant. A longer one
+    /// restarts the estimator.
+    pub const fn longest_interval_s(&self) -> f32 {
+        0.5 * self.settings.tau_s
+    }
+}
+
+/// Where in the space of temperatures and rates the bias model is to be evaluated.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct ThermalPoint {
+    /// Effective temperature `u` \[degC\].
+    pub effective_c: f32,
+    /// Rate of temperature, clamped to the calibrated range \[degC/min\].
+    pub rate_c_per_min: f32,
+    /// Remarks on the temperature.
+    pub status: Status,
+}
+
+/// The state of the thermal path: conditioner, estimator, effective temperature.
+///
+/// Used on its own by the fit, which thereby sees the very regressors that fly.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct ThermalState {
+    conditioner: Conditioner,
+    estimator: RateEstimator,
+    effective_c: f32,
+}
+
+impl ThermalState {
+    /// The state before any temperature was seen: lost, at the reference temperature.
+    pub const fn new(thermal: &Thermal) -> Self {
+        let reference_c = thermal.settings.reference_c;
+        Self {
+            conditioner: Conditioner::new(reference_c),
+            estimator: RateEstimator::new(reference_c),
+            effective_c: reference_c,
+        }
+    }
+
+    /// Starts at the first temperature after power-on, without the ramp from the reference
+    /// temperature that a return in flight makes. A bad temperature leaves the state lost.
+    pub fn start(&mut self, thermal: &Thermal, temp_c: f32) -> ThermalPoint {
+        *self = Self::new(thermal);
+        self.update(thermal, &Interval::POWER_ON, temp_c)
+    }
+
+    /// Takes one temperature \[degC\], `interval` after the one before; NaN where there is none.
+    ///
+    /// The effective temperature moves by no more than the maximum slew, whatever is passed in.
+    ///
+    /// # Timing
+    /// No branch depends on the data.
+    #[inline]
+    pub fn update(&mut self, thermal: &Thermal, interval: &Interval, temp_c: f32) -> ThermalPoint {
+        let settings = &thermal.settings;
+        let conditioned = self.conditioner.update(thermal, interval, temp_c);
+        let rate = self
+            .estimator
+            .update(interval, conditioned.temp_c, conditioned.restart);
+
+        let rate_clamped = rate < settings.rate_min_c_per_min || rate > settings.rate_max_c_per_min;
+        let rate = clamp(
+            rate,
+            settings.rate_min_c_per_min,
+            settings.rate_max_c_per_min,
+        );
+
+        let rate = if conditioned.lost { 0.0 } else { rate };
+        let target = if conditioned.lost {
+            settings.reference_c
+        } else {
+            conditioned.temp_c - thermal.shift_min * rate
+        };
+        let step = clamp(target - self.effective_c, -interval.slew_c, interval.slew_c);
+        self.effective_c += step;
+
+        ThermalPoint {
+            effective_c: self.effective_c,
+            rate_c_per_min: rate,
+            status: conditioned.status | Status::RATE_CLAMPED.when(rate_clamped),
+        }
+    }
+
+    /// Temperatures rejected since the start (wraps at 2^32).
+    pub const fn rejected(&self) -> u32 {
+        self.conditioner.rejected
+    }
+
+    /// Restarts of the estimator since the start, the first one included (wraps at 2^32).
+    pub const fn restarts(&self) -> u32 {
+        self.conditioner.restarts
+    }
+}
+
+/// `value` limited to `low..=high` by two selections: unlike `f32::clamp` it cannot panic, and
+/// unlike `min`/`max` it does not call into a library on a Cortex-M4.
+#[inline]
+pub(crate) fn clamp(value: f32, low: f32, high: f32) -> f32 {
+    let value = if value < low { low } else { value };
+    if value > high { high } else { value }
+}
