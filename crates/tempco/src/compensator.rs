@@ -56,8 +56,7 @@ impl<'t, const AXES: usize> Compensator<'t, AXES> {
     }
 }
 
-/// Takes the bias out of a sample and checks the sample: `x - x` is 0 unless `x` is NaN or
-/// infinite.
+/// Takes the bias out of a sample and checks the sample: `0 x` is 0 unless `x` is NaN or infinite.
 #[inline]
 pub(crate) fn subtract<const AXES: usize>(
     raw: [f32; AXES],
@@ -67,7 +66,7 @@ pub(crate) fn subtract<const AXES: usize>(
 ) -> Output<AXES> {
     let mut check = 0.0;
     for value in raw {
-        check += value - value;
+        check += value * 0.0;
     }
     Output {
         compensated: core::array::from_fn(|axis| raw[axis] - bias[axis]),
