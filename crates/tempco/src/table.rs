@@ -2,7 +2,6 @@
 
 use core::fmt;
 
-use crate::thermal::clamp;
 use crate::{Status, Thermal, ThermalPoint};
 
 /// The most cells a table can have.
@@ -57,11 +56,12 @@ impl Terms {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Table<'a, const AXES: usize> {
     thermal: Thermal,
+    /// Cold edge of the first cell \[degC\].
+    first_edge_c: f32,
+    /// Rounded down so far that the hot edge of the last cell still falls into it.
+    cells_per_c: f32,
     t_min_c: f32,
     t_max_c: f32,
-    cells_per_c: f32,
-    /// The largest f32 below the number of cells, so that `t_max_c` falls into the last one.
-    last_place: f32,
     cells: &'a [[Terms; AXES]],
 }
 
@@ -78,7 +78,8 @@ pub struct Place {
 }
 
 impl<'a, const AXES: usize> Table<'a, AXES> {
-    /// Makes a table of `cells` of equal width from `t_min_c` to `t_max_c` \[degC\].
+    /// Makes a table of `cells` of equal width from `first_edge_c` to `last_edge_c` \[degC\],
+    /// calibrated all over. See [`calibrated`](Self::calibrated) for a narrower range.
     ///
     /// In a const a bad table stops the build; see the example of the crate.
     ///
@@ -87,16 +88,15 @@ impl<'a, const AXES: usize> Table<'a, AXES> {
     /// than [`MAX_CELLS`], or a coefficient that is not finite or beyond 1e30.
     pub const fn new(
         thermal: Thermal,
-        t_min_c: f32,
-        t_max_c: f32,
+        first_edge_c: f32,
+        last_edge_c: f32,
         cells: &'a [[Terms; AXES]],
     ) -> Result<Self, TableError> {
-        let sensor = &thermal.settings;
-        if !is_within(t_min_c, sensor.sensor_min_c, sensor.sensor_max_c) {
-            return Err(TableError::Setting("t_min_c"));
+        if !is_within(first_edge_c, -273.15, 1e3) {
+            return Err(TableError::Setting("first_edge_c"));
         }
-        if !is_within(t_max_c, t_min_c + 1e-3, sensor.sensor_max_c) {
-            return Err(TableError::Setting("t_max_c"));
+        if !is_within(last_edge_c, first_edge_c + 1e-3, 1e3) {
+            return Err(TableError::Setting("last_edge_c"));
         }
         if cells.is_empty() || cells.len() > MAX_CELLS {
             return Err(TableError::CellCount);
@@ -113,13 +113,36 @@ impl<'a, const AXES: usize> Table<'a, AXES> {
             cell += 1;
         }
         let count = cells.len() as f32;
+        let mut cells_per_c = count / (last_edge_c - first_edge_c);
+        while (last_edge_c - first_edge_c) * cells_per_c >= count {
+            cells_per_c = cells_per_c.next_down();
+        }
         Ok(Self {
             thermal,
+            first_edge_c,
+            cells_per_c,
+            t_min_c: first_edge_c,
+            t_max_c: last_edge_c,
+            cells,
+        })
+    }
+
+    /// Narrows the calibrated range to `t_min_c..=t_max_c` \[degC\]: where cells reach beyond the
+    /// temperatures that were measured, they are not used.
+    ///
+    /// # Errors
+    /// A limit outside the cells, or an empty range.
+    pub const fn calibrated(self, t_min_c: f32, t_max_c: f32) -> Result<Self, TableError> {
+        if !is_within(t_min_c, self.t_min_c, self.t_max_c) {
+            return Err(TableError::Setting("t_min_c"));
+        }
+        if !is_within(t_max_c, t_min_c, self.t_max_c) {
+            return Err(TableError::Setting("t_max_c"));
+        }
+        Ok(Self {
             t_min_c,
             t_max_c,
-            cells_per_c: count / (t_max_c - t_min_c),
-            last_place: count.next_down(),
-            cells,
+            ..self
         })
     }
 
@@ -143,20 +166,20 @@ impl<'a, const AXES: usize> Table<'a, AXES> {
         self.cells
     }
 
-    /// Finds the cell of an effective temperature; outside the calibrated range, its nearest end.
+    /// Finds the cell of an effective temperature, which must not be NaN; outside the calibrated
+    /// range, the cell of its nearest end.
     #[inline]
     pub fn place(&self, effective_c: f32) -> Place {
-        let clamped = effective_c < self.t_min_c || effective_c > self.t_max_c;
-        let place = clamp(
-            (effective_c - self.t_min_c) * self.cells_per_c,
-            0.0,
-            self.last_place,
-        );
+        let cold = effective_c < self.t_min_c;
+        let hot = effective_c > self.t_max_c;
+        let temp_c = if cold { self.t_min_c } else { effective_c };
+        let temp_c = if hot { self.t_max_c } else { temp_c };
+        let place = (temp_c - self.first_edge_c) * self.cells_per_c;
         let cell = place as u32;
         Place {
             cell: cell as usize,
             z: place - cell as f32,
-            status: Status::TEMPERATURE_CLAMPED.when(clamped),
+            status: Status::TEMPERATURE_CLAMPED.when(cold | hot),
         }
     }
 
@@ -256,18 +279,11 @@ mod tests {
     fn every_temperature_has_its_cell_and_the_ends_are_held() {
         let cells = [[LINE]; 19];
         let table = Table::new(thermal(), -15.0, 80.0, &cells).unwrap();
-        for (temp, cell, z) in [
-            (-15.0, 0, 0.0),
-            (-10.0, 1, 0.0),
-            (-12.5, 0, 0.5),
-            (77.5, 18, 0.5),
-        ] {
+        for (temp, expected) in [(-15.0, 0.0), (-10.0, 1.0), (-12.5, 0.5), (77.5, 18.5)] {
             let place = table.place(temp);
-            assert_eq!(
-                (place.cell, place.z, place.status),
-                (cell, z, Status::OK),
-                "{temp}"
-            );
+            let position = place.cell as f32 + place.z;
+            assert!((position - expected).abs() < 1e-5, "{temp}");
+            assert_eq!(place.status, Status::OK, "{temp}");
         }
         let top = table.place(80.0);
         assert_eq!((top.cell, top.status), (18, Status::OK));
@@ -285,6 +301,31 @@ mod tests {
     }
 
     #[test]
+    fn the_hottest_temperature_of_any_grid_falls_into_the_last_cell() {
+        for count in 1..=MAX_CELLS {
+            for (first_edge_c, last_edge_c) in [(-17.6, 73.97), (-40.0, 85.0), (0.1, 0.3)] {
+                let cells = [[LINE]; MAX_CELLS];
+                let cells = &cells[..count];
+                let table = Table::new(thermal(), first_edge_c, last_edge_c, cells).unwrap();
+                let place = table.place(last_edge_c);
+                assert_eq!((place.cell, place.status), (count - 1, Status::OK));
+                assert!(place.z > 0.999 && place.z < 1.0);
+            }
+        }
+    }
+
+    #[test]
+    fn a_narrower_range_is_held_at_its_ends() {
+        let cells = [[LINE]; 19];
+        let table = Table::new(thermal(), -15.0, 80.0, &cells).unwrap();
+        let table = table.calibrated(-12.0, 80.0).unwrap();
+        assert_eq!(table.place(-14.0).cell, 0);
+        assert!((table.place(-14.0).z - 0.6).abs() < 1e-6);
+        assert_eq!(table.place(-14.0).status, Status::TEMPERATURE_CLAMPED);
+        assert_eq!(table.place(-12.0).status, Status::OK);
+    }
+
+    #[test]
     fn bad_tables_are_refused_by_name() {
         let good = [[LINE; 2]; 3];
         let refused = |t_min, t_max, cells: &[[Terms; 2]]| {
@@ -292,13 +333,27 @@ mod tests {
         };
         assert_eq!(
             refused(f32::NAN, 80.0, &good),
-            TableError::Setting("t_min_c")
+            TableError::Setting("first_edge_c")
         );
-        assert_eq!(refused(10.0, 10.0, &good), TableError::Setting("t_max_c"));
+        assert_eq!(
+            refused(10.0, 10.0, &good),
+            TableError::Setting("last_edge_c")
+        );
         assert_eq!(
             refused(10.0, f32::INFINITY, &good),
-            TableError::Setting("t_max_c")
+            TableError::Setting("last_edge_c")
         );
+        let table = Table::new(thermal(), 10.0, 20.0, &good).unwrap();
+        for (t_min_c, t_max_c, name) in [
+            (9.9, 15.0, "t_min_c"),
+            (f32::NAN, 15.0, "t_min_c"),
+            (12.0, 20.1, "t_max_c"),
+            (12.0, 11.0, "t_max_c"),
+            (12.0, f32::NAN, "t_max_c"),
+        ] {
+            let error = table.calibrated(t_min_c, t_max_c).unwrap_err();
+            assert_eq!(error, TableError::Setting(name));
+        }
         assert_eq!(refused(10.0, 20.0, &[]), TableError::CellCount);
         assert_eq!(
             refused(10.0, 20.0, &[[LINE; 2]; MAX_CELLS + 1]),
