@@ -1,2 +1,31 @@
+//! Fits coefficient sets of gyro and accelerometer biases to thermal-chamber logs, applies them
+//! and judges them.
+//!
+//! ```text
+//! log -> regress (the core) -> solve (per segment) -> assemble -> set -> table.rs, JSON
+//!                                                                  |
+//! log ------------------------------------> apply (the core) <-----+--> metrics
+//! ```
+//!
+//! Whatever flies is computed by the `tempco` core itself, run over the log: the regressors that
+//! the fit sees and the biases that `apply` takes out.
 #![forbid(unsafe_code)]
-//! x
+
+pub mod apply;
+mod assemble;
+pub mod fit;
+pub mod log;
+pub mod metrics;
+pub mod model;
+mod regress;
+pub mod rfactor;
+pub mod segment;
+pub mod set;
+mod solve;
+mod statistics;
+mod tabulate;
+pub mod unit;
+
+pub use regress::thermal_points;
+pub use solve::TERMS;
+pub use statistics::AxisStatistics;

@@ -1,0 +1,102 @@
+//! Puts fitted polynomials together into a set with its table.
+
+use tempco::ThermalSettings;
+
+use crate::model::AxisModel;
+use crate::segment::{Overlap, Segmentation};
+use crate::set::{
+    AxisSet, ChannelSet, CoefficientSet, FORMAT_VERSION, Provenance, SegmentSet, Settings,
+    TableData,
+};
+use crate::tabulate::tabulate;
+
+/// A channel before its table is made.
+pub(crate) struct Fitted {
+    pub(crate) temperature: String,
+    pub(crate) segments: Vec<SegmentSet>,
+    pub(crate) axes: Vec<AxisSet>,
+}
+
+/// Makes the channel's table; `calibrated_c` is the range of temperatures that was measured.
+pub(crate) fn channel(
+    fitted: Fitted,
+    segmentation: &Segmentation,
+    overlap: Overlap,
+    thermal: ThermalSettings,
+    calibrated_c: (f32, f32),
+) -> ChannelSet {
+    let models: Vec<AxisModel> = fitted
+        .axes
+        .iter()
+        .map(|axis| AxisModel {
+            polynomials: &axis.polynomials,
+            overlap,
+        })
+        .collect();
+    let rates = (
+        f64::from(thermal.rate_min_c_per_min),
+        f64::from(thermal.rate_max_c_per_min),
+    );
+    let cells = tabulate(segmentation, &models, rates);
+    let (first_edge_c, last_edge_c) = segmentation.range_c();
+    let (first_edge_c, last_edge_c) = (first_edge_c as f32, last_edge_c as f32);
+    ChannelSet {
+        temperature: fitted.temperature,
+        segments: fitted.segments,
+        table: TableData {
+            thermal: thermal.into(),
+            first_edge_c,
+            last_edge_c,
+            t_min_c: calibrated_c.0.max(first_edge_c),
+            t_max_c: calibrated_c.1.min(last_edge_c),
+            cells: cells
+                .cells
+                .iter()
+                .map(|cell| {
+                    let numbers = |terms: &tempco::Terms| {
+                        let [a0, a1, a2] = terms.a;
+                        [a0, a1, a2, terms.r[0], terms.r[1]]
+                    };
+                    cell.iter().map(numbers).collect()
+                })
+                .collect(),
+        },
+        axes: fitted.axes,
+        table_deviation: cells.deviation,
+        boundary_moved_c: cells.moved_c,
+    }
+}
+
+/// Puts the channels together and seals them with the CRC.
+pub(crate) fn set(
+    serial: String,
+    provenance: Provenance,
+    settings: Settings,
+    channels: Vec<ChannelSet>,
+) -> CoefficientSet {
+    let mut set = CoefficientSet {
+        format: "tempco-coefficients".to_owned(),
+        format_version: FORMAT_VERSION,
+        serial,
+        provenance,
+        settings,
+        channels,
+        table_crc32: String::new(),
+    };
+    set.table_crc32 = format!("{:08x}", set.crc32());
+    set
+}
+
+/// The name and version that go into provenance.
+pub(crate) fn tool() -> String {
+    concat!("tempco ", env!("CARGO_PKG_VERSION")).to_owned()
+}
+
+/// The present time; `SOURCE_DATE_EPOCH` overrules it where output must be reproducible.
+pub(crate) fn now() -> String {
+    let fixed = std::env::var("SOURCE_DATE_EPOCH")
+        .ok()
+        .and_then(|seconds| jiff::Timestamp::from_second(seconds.parse().ok()?).ok());
+    let time = fixed.unwrap_or_else(jiff::Timestamp::now);
+    time.strftime("%Y-%m-%dT%H:%M:%SZ").to_string()
+}

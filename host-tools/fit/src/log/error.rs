@@ -1,0 +1,75 @@
+//! Errors of logs: where, what was found, what was expected.
+
+use std::path::{Path, PathBuf};
+
+use thiserror::Error;
+
+/// A log was refused.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum LogError {
+    /// The file cannot be read.
+    #[error("{}: {source}", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// The file as a whole is unusable.
+    #[error("{}: {message}", path.display())]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// What was found and what was expected.
+        message: String,
+    },
+    /// A line is unusable.
+    #[error("{}:{line}: {message}", path.display())]
+    Line {
+        /// The file.
+        path: PathBuf,
+        /// Line number, the header being 1.
+        line: u64,
+        /// What was found and what was expected.
+        message: String,
+    },
+    /// A cell is unusable.
+    #[error("{}:{line}:{column}: column `{name}`: {message}", path.display())]
+    Cell {
+        /// The file.
+        path: PathBuf,
+        /// Line number, the header being 1.
+        line: u64,
+        /// Column number, the first being 1.
+        column: usize,
+        /// Name of the column.
+        name: String,
+        /// What was found and what was expected.
+        message: String,
+    },
+}
+
+impl LogError {
+    pub(crate) fn file(path: &Path, message: impl Into<String>) -> Self {
+        Self::File {
+            path: path.to_owned(),
+            message: message.into(),
+        }
+    }
+
+    pub(crate) fn line(path: &Path, line: u64, message: impl Into<String>) -> Self {
+        Self::Line {
+            path: path.to_owned(),
+            line,
+            message: message.into(),
+        }
+    }
+
+    pub(crate) fn io(path: &Path) -> impl FnOnce(std::io::Error) -> Self {
+        move |source| Self::Io {
+            path: path.to_owned(),
+            source,
+        }
+    }
+}

@@ -1,0 +1,171 @@
+//! The fitted model of one axis in f64: a polynomial per segment.
+
+use serde::{Deserialize, Serialize};
+
+use crate::segment::{Overlap, Piece, Segment, Segmentation};
+
+/// The polynomial of one segment, in the centred and scaled basis `z = (T - centre) / half_width`.
+///
+/// ```text
+/// B(T, T') = a0 + a1 z + a2 z^2 + T' (r0 + r1 z)        T' in degC/min
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Polynomial {
+    /// Middle of the segment \[degC\].
+    pub centre_c: f64,
+    /// Half the width of the segment \[degC\].
+    pub half_width_c: f64,
+    /// Static coefficients, lowest power first \[unit of the axis\].
+    pub a: [f64; 3],
+    /// Rate coefficients, lowest power first \[unit of the axis per degC/min\].
+    pub r: [f64; 2],
+}
+
+impl Polynomial {
+    /// The polynomial over `segment` with the leading coefficients of `1, z, z^2, T', z T'`.
+    pub fn new(segment: &Segment, coefficients: &[f64]) -> Self {
+        let at = |term: usize| coefficients.get(term).copied().unwrap_or(0.0);
+        Self {
+            centre_c: segment.centre_c(),
+            half_width_c: segment.half_width_c(),
+            a: [at(0), at(1), at(2)],
+            r: [at(3), at(4)],
+        }
+    }
+
+    /// The polynomial from coefficients of `1, T, T^2` in degC.
+    pub fn from_raw_static(segment: &Segment, [a0, a1, a2]: [f64; 3]) -> Self {
+        let (c, h) = (segment.centre_c(), segment.half_width_c());
+        let a = [a0 + c * (a1 + c * a2), h * (a1 + 2.0 * c * a2), h * h * a2];
+        Self {
+            centre_c: c,
+            half_width_c: h,
+            a,
+            r: [0.0; 2],
+        }
+    }
+
+    /// Coefficients of `1, T, T^2, T', T T'` in degC and degC/min, for reports.
+    pub fn raw(&self) -> [f64; 5] {
+        let (c, h) = (self.centre_c, self.half_width_c);
+        let [a0, a1, a2] = self.a;
+        let [r0, r1] = self.r;
+        [
+            a0 - a1 * c / h + a2 * c * c / (h * h),
+            a1 / h - 2.0 * a2 * c / (h * h),
+            a2 / (h * h),
+            r0 - r1 * c / h,
+            r1 / h,
+        ]
+    }
+
+    /// The local coordinate of a temperature.
+    pub fn z(&self, temp_c: f64) -> f64 {
+        (temp_c - self.centre_c) / self.half_width_c
+    }
+
+    /// Bias at zero rate \[unit of the axis\].
+    pub fn static_bias(&self, temp_c: f64) -> f64 {
+        let z = self.z(temp_c);
+        self.a[0] + z * (self.a[1] + z * self.a[2])
+    }
+
+    /// Bias per rate \[unit of the axis per degC/min\].
+    pub fn rate_bias(&self, temp_c: f64) -> f64 {
+        self.r[0] + self.z(temp_c) * self.r[1]
+    }
+}
+
+/// The model of one axis over all segments.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct AxisModel<'a> {
+    pub(crate) polynomials: &'a [Polynomial],
+    pub(crate) overlap: Overlap,
+}
+
+impl AxisModel<'_> {
+    /// Static bias and bias per rate at a temperature of `piece`.
+    pub(crate) fn at(&self, piece: &Piece, temp_c: f64) -> (f64, f64) {
+        let cold = &self.polynomials[piece.segment];
+        let (static_bias, rate_bias) = (cold.static_bias(temp_c), cold.rate_bias(temp_c));
+        if !piece.blended {
+            return (static_bias, rate_bias);
+        }
+        let hot = &self.polynomials[piece.segment + 1];
+        let weight = piece.weight(self.overlap, temp_c);
+        (
+            static_bias + weight * (hot.static_bias(temp_c) - static_bias),
+            rate_bias + weight * (hot.rate_bias(temp_c) - rate_bias),
+        )
+    }
+}
+
+/// How far two neighbours disagree.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Mismatch {
+    /// Cold end of the overlap \[degC\].
+    pub t_min_c: f64,
+    /// Hot end of the overlap \[degC\].
+    pub t_max_c: f64,
+    /// Largest difference of the static polynomials over the overlap \[unit of the axis\].
+    pub overlap_mismatch: f64,
+    /// Difference of the static polynomials in the middle of the overlap, where a hard switch
+    /// would be, hotter minus colder \[unit of the axis\].
+    pub switch_jump: f64,
+}
+
+/// The disagreement of each two neighbours of an axis.
+pub fn mismatches(segmentation: &Segmentation, polynomials: &[Polynomial]) -> Vec<Mismatch> {
+    const STEPS: u32 = 200;
+    let pairs = segmentation.segments().windows(2);
+    pairs
+        .zip(polynomials.windows(2))
+        .map(|(segments, neighbours)| {
+            let (t_min_c, t_max_c) = (segments[1].t_min_c, segments[0].t_max_c);
+            let difference = |share: f64| {
+                let temp_c = t_min_c + share * (t_max_c - t_min_c);
+                neighbours[1].static_bias(temp_c) - neighbours[0].static_bias(temp_c)
+            };
+            Mismatch {
+                t_min_c,
+                t_max_c,
+                overlap_mismatch: (0..=STEPS)
+                    .map(|step| difference(f64::from(step) / f64::from(STEPS)).abs())
+                    .fold(0.0, f64::max),
+                switch_jump: difference(0.5),
+            }
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SEGMENT: Segment = Segment {
+        t_min_c: 5.0,
+        t_max_c: 35.0,
+    };
+
+    #[test]
+    fn raw_and_centred_bases_are_the_same_polynomial() {
+        let raw = [0.0064, 0.0004, -4.2567e-5];
+        let polynomial = Polynomial::from_raw_static(&SEGMENT, raw);
+        for temp_c in [5.0, 11.0, 35.0] {
+            let expected = raw[0] + raw[1] * temp_c + raw[2] * temp_c * temp_c;
+            assert!((polynomial.static_bias(temp_c) - expected).abs() < 1e-15);
+        }
+        let composite = Polynomial::new(&SEGMENT, &[1.0, 2.0, 3.0, 4.0, 5.0]);
+        let back = composite.raw();
+        let (t, rate) = (13.0, -0.7);
+        let expected = composite.static_bias(t) + rate * composite.rate_bias(t);
+        let found = back[0] + back[1] * t + back[2] * t * t + rate * (back[3] + back[4] * t);
+        assert!((found - expected).abs() < 1e-12);
+    }
+
+    #[test]
+    fn dropped_terms_are_zero() {
+        let polynomial = Polynomial::new(&SEGMENT, &[1.0, 2.0]);
+        assert_eq!((polynomial.a, polynomial.r), ([1.0, 2.0, 0.0], [0.0; 2]));
+    }
+}

@@ -1,0 +1,228 @@
+//! Least squares from any number of rows in fixed memory: a triangular factor that grows by
+//! blocks and merges.
+
+use nalgebra::{DMatrix, DVector};
+
+/// Rows gathered before they are folded into the factor.
+const BLOCK_ROWS: usize = 256;
+
+/// The factor R of a QR decomposition of rows `[regressors | observations]`.
+///
+/// R carries all that least squares needs of the rows: solutions, residuals and the angles
+/// between regressors. It is formed by Householder reflections, so that, unlike with normal
+/// equations, the condition number is not squared.
+#[derive(Clone, Debug)]
+pub struct RFactor {
+    regressors: usize,
+    width: usize,
+    /// The triangle in the first `width` rows, then the rows of the present block.
+    stack: DMatrix<f64>,
+    pending: usize,
+    rows: u64,
+}
+
+/// The least-squares solution for the leading regressors.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Solution {
+    /// Coefficients of the regressors used, for each observation.
+    pub coefficients: Vec<Vec<f64>>,
+    /// Root mean square of the residuals, for each observation.
+    pub rms: Vec<f64>,
+    /// Condition number of the regressors, each scaled to unit length.
+    pub condition: f64,
+}
+
+impl RFactor {
+    /// An empty factor for rows of `regressors` then `observations` values.
+    pub fn new(regressors: usize, observations: usize) -> Self {
+        let width = regressors + observations;
+        Self {
+            regressors,
+            width,
+            stack: DMatrix::zeros(width + BLOCK_ROWS, width),
+            pending: 0,
+            rows: 0,
+        }
+    }
+
+    /// Number of rows taken in.
+    pub const fn rows(&self) -> u64 {
+        self.rows
+    }
+
+    /// Takes in a row.
+    ///
+    /// # Panics
+    /// If the row does not have the width the factor was made for.
+    pub fn push(&mut self, row: impl IntoIterator<Item = f64>) {
+        self.rows += 1;
+        self.push_row(row);
+    }
+
+    /// Takes in all rows of `other`; the result is that of one factor over both, to rounding.
+    ///
+    /// # Panics
+    /// If the widths differ.
+    pub fn merge(&mut self, mut other: Self) {
+        assert_eq!(
+            (self.regressors, self.width),
+            (other.regressors, other.width)
+        );
+        other.fold();
+        for i in 0..other.width {
+            self.push_row(other.stack.row(i).iter().copied());
+        }
+        self.rows += other.rows;
+    }
+
+    fn push_row(&mut self, row: impl IntoIterator<Item = f64>) {
+        if self.pending == BLOCK_ROWS {
+            self.fold();
+        }
+        let at = self.width + self.pending;
+        let mut count = 0;
+        for (column, value) in row.into_iter().enumerate() {
+            self.stack[(at, column)] = value;
+            count += 1;
+        }
+        assert_eq!(count, self.width);
+        self.pending += 1;
+    }
+
+    fn fold(&mut self) {
+        if self.pending == 0 {
+            return;
+        }
+        let used = self.stack.rows(0, self.width + self.pending).into_owned();
+        self.stack.fill(0.0);
+        self.stack
+            .rows_mut(0, self.width)
+            .copy_from(&used.qr().r().rows(0, self.width));
+        self.pending = 0;
+    }
+
+    fn triangle(&mut self) -> DMatrix<f64> {
+        self.fold();
+        self.stack.rows(0, self.width).into_owned()
+    }
+
+    /// The root mean square of each regressor, whole and of the part that the regressors before it
+    /// cannot represent.
+    pub fn independence(&mut self) -> Vec<Independence> {
+        let r = self.triangle();
+        let root_rows = (self.rows.max(1) as f64).sqrt();
+        (0..self.regressors)
+            .map(|j| Independence {
+                whole: r.view((0, j), (j + 1, 1)).norm() / root_rows,
+                independent: r[(j, j)].abs() / root_rows,
+            })
+            .collect()
+    }
+
+    /// Solves for the first `terms` regressors; `None` where they are not independent.
+    pub fn solve(&mut self, terms: usize) -> Option<Solution> {
+        let r = self.triangle();
+        let triangle = r.view((0, 0), (terms, terms)).into_owned();
+        let lengths: Vec<f64> = (0..terms).map(|j| triangle.column(j).norm()).collect();
+        let scaled = DMatrix::from_fn(terms, terms, |i, j| triangle[(i, j)] / lengths[j]);
+        let singular = scaled.singular_values();
+        let condition = singular.max() / singular.min();
+        if !condition.is_finite() || condition > 1e10 {
+            return None;
+        }
+        let mut solution = Solution {
+            coefficients: Vec::new(),
+            rms: Vec::new(),
+            condition,
+        };
+        for column in self.regressors..self.width {
+            let target = DVector::from_fn(terms, |i, _| r[(i, column)]);
+            let coefficients = triangle.solve_upper_triangular(&target)?;
+            let residual = r.view((terms, column), (column + 1 - terms, 1)).norm();
+            solution.coefficients.push(coefficients.as_slice().to_vec());
+            solution.rms.push(residual / (self.rows as f64).sqrt());
+        }
+        Some(solution)
+    }
+}
+
+/// Root mean squares of a regressor, in its unit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Independence {
+    /// Of all of it.
+    pub whole: f64,
+    /// Of the part that the regressors before it cannot represent.
+    pub independent: f64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rows(count: usize) -> impl Iterator<Item = [f64; 5]> {
+        (0..count).map(|i| {
+            let z = (i as f64 * 0.37).sin();
+            let w = (i as f64 * 0.11).cos();
+            let noise = (i as f64 * 12.9898).sin() * 0.01;
+            [1.0, z, w, 2.0 - 3.0 * z + 0.5 * w + noise, z * z]
+        })
+    }
+
+    fn factor(rows: impl Iterator<Item = [f64; 5]>) -> RFactor {
+        let mut factor = RFactor::new(3, 2);
+        rows.for_each(|row| factor.push(row));
+        factor
+    }
+
+    #[test]
+    fn agrees_with_a_direct_solution() {
+        for count in [5, 256, 257, 1000] {
+            let all: Vec<_> = rows(count).collect();
+            let x = DMatrix::from_fn(count, 3, |i, j| all[i][j]);
+            let svd = x.clone().svd(true, true);
+            let solution = factor(rows(count)).solve(3).unwrap();
+            for (observation, column) in [3, 4].into_iter().enumerate() {
+                let y = DVector::from_fn(count, |i, _| all[i][column]);
+                let expected = svd.solve(&y, 1e-12).unwrap();
+                let rms = (&x * &expected - &y).norm() / (count as f64).sqrt();
+                for (found, expected) in solution.coefficients[observation].iter().zip(&expected) {
+                    assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+                }
+                assert!((solution.rms[observation] - rms).abs() < 1e-12);
+            }
+            let singular = DMatrix::from_fn(count, 3, |i, j| x[(i, j)] / x.column(j).norm());
+            let singular = singular.singular_values();
+            assert!((solution.condition * singular.min() / singular.max() - 1.0).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn merged_parts_equal_the_whole() {
+        let whole = factor(rows(1000)).solve(3).unwrap();
+        let mut merged = factor(rows(1000).take(300));
+        merged.merge(factor(rows(1000).skip(300)));
+        assert_eq!(merged.rows(), 1000);
+        let merged = merged.solve(3).unwrap();
+        for (a, b) in whole.coefficients.iter().zip(&merged.coefficients) {
+            for (a, b) in a.iter().zip(b) {
+                assert!((a - b).abs() < 1e-12);
+            }
+        }
+        assert!((whole.rms[0] - merged.rms[0]).abs() < 1e-13);
+    }
+
+    #[test]
+    fn dependent_regressors_are_seen_and_not_solved() {
+        let mut factor = RFactor::new(3, 1);
+        for i in 0..100 {
+            let z = f64::from(i) / 50.0 - 1.0;
+            factor.push([1.0, z, 0.25 + 2.0 * z, z]);
+        }
+        let independence = factor.independence();
+        assert!(independence[1].independent > 0.99 * independence[1].whole);
+        assert!(independence[2].whole > 1.0);
+        assert!(independence[2].independent < 1e-12);
+        assert!(factor.solve(3).is_none());
+        assert!(factor.solve(2).is_some());
+    }
+}

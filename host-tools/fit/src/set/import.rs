@@ -1,0 +1,134 @@
+//! Reads printed static coefficients, such as table 2 of Weng et al. 2020, as a set.
+//!
+//! The header is `gyro,segment,temp_min_c,temp_max_c,a0_pulses,a1_pulses_per_c,
+//! a2_1e-5_pulses_per_c2`, one row per gyro and segment; a column `a2_pulses_per_c2` without the
+//! factor is read as well. The unit is pulses/s.
+
+use std::path::Path;
+
+use serde::Deserialize;
+use sha2::{Digest, Sha256};
+use tempco::ThermalSettings;
+
+use super::{AxisSet, CoefficientSet, Input, Model, Polynomial, Provenance, SegmentSet, Settings};
+use crate::assemble::{self, Fitted};
+use crate::log::hex;
+use crate::segment::{Overlap, Segment, Segmentation};
+use crate::solve::TERMS;
+use crate::unit::AxisUnit;
+
+#[derive(Deserialize)]
+struct Row {
+    gyro: String,
+    temp_min_c: f64,
+    temp_max_c: f64,
+    a0_pulses: f64,
+    a1_pulses_per_c: f64,
+    #[serde(rename = "a2_1e-5_pulses_per_c2")]
+    a2_scaled: Option<f64>,
+    a2_pulses_per_c2: Option<f64>,
+}
+
+pub(super) fn static_coefficients(path: &Path, text: &str) -> Result<CoefficientSet, String> {
+    let mut reader = csv::Reader::from_reader(text.as_bytes());
+    let mut gyros: Vec<(String, Vec<Segment>, Vec<Polynomial>)> = Vec::new();
+    let mut rows = 0;
+    for row in reader.deserialize() {
+        let row: Row = row.map_err(|error| {
+            format!("{error}; expected static coefficients as in the paper's table 2")
+        })?;
+        rows += 1;
+        let a2 = match (row.a2_scaled, row.a2_pulses_per_c2) {
+            (Some(scaled), None) => scaled * 1e-5,
+            (None, Some(a2)) => a2,
+            _ => return Err("expected one column of a2".to_owned()),
+        };
+        let segment = Segment {
+            t_min_c: row.temp_min_c,
+            t_max_c: row.temp_max_c,
+        };
+        let raw = [row.a0_pulses, row.a1_pulses_per_c, a2];
+        let polynomial = Polynomial::from_raw_static(&segment, raw);
+        match gyros.iter_mut().find(|(gyro, ..)| *gyro == row.gyro) {
+            Some((_, segments, polynomials)) => {
+                segments.push(segment);
+                polynomials.push(polynomial);
+            }
+            None => gyros.push((row.gyro, vec![segment], vec![polynomial])),
+        }
+    }
+    let segments = match gyros.first() {
+        Some((_, segments, _)) => segments.clone(),
+        None => return Err("no coefficients after the header".to_owned()),
+    };
+    if let Some((gyro, ..)) = gyros.iter().find(|(_, other, _)| *other != segments) {
+        return Err(format!(
+            "gyro {gyro} has other segments than the first gyro"
+        ));
+    }
+    let segmentation = Segmentation::new(segments).map_err(|error| error.to_string())?;
+    let (t_min_c, t_max_c) = segmentation.range_c();
+    let segments = segmentation.segments().iter().map(|segment| SegmentSet {
+        t_min_c: segment.t_min_c,
+        t_max_c: segment.t_max_c,
+        terms: TERMS[..Model::Static.terms()]
+            .iter()
+            .map(|&t| t.to_owned())
+            .collect(),
+        rows: 0,
+        condition: 0.0,
+    });
+    let channel = assemble::channel(
+        Fitted {
+            temperature: "temp_c".to_owned(),
+            segments: segments.collect(),
+            axes: gyros
+                .into_iter()
+                .map(|(name, _, polynomials)| AxisSet {
+                    name: name.to_lowercase(),
+                    unit: AxisUnit::PulsesPerS,
+                    polynomials,
+                    statistics: None,
+                })
+                .collect(),
+        },
+        &segmentation,
+        Overlap::Linear,
+        ThermalSettings {
+            reference_c: 25.0_f64.clamp(t_min_c, t_max_c) as f32,
+            rate_min_c_per_min: 0.0,
+            rate_max_c_per_min: 0.0,
+            ..ThermalSettings::DEFAULT
+        },
+        (t_min_c as f32, t_max_c as f32),
+    );
+    let input = Input {
+        file: path
+            .file_name()
+            .unwrap_or_default()
+            .to_string_lossy()
+            .into(),
+        sha256: hex(&Sha256::digest(text.as_bytes())),
+        rows,
+        skipped_rows: 0,
+        unusable_rows: 0,
+        interval_s: 0.0,
+        duration_s: 0.0,
+    };
+    let set = assemble::set(
+        "imported".to_owned(),
+        Provenance {
+            tool: assemble::tool(),
+            created: assemble::now(),
+            inputs: vec![input],
+        },
+        Settings {
+            model: Model::Static,
+            overlap: Overlap::Linear,
+            scale_factor_arcsec: None,
+        },
+        vec![channel],
+    );
+    set.check()?;
+    Ok(set)
+}

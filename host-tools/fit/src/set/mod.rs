@@ -1,0 +1,304 @@
+//! The coefficient set: everything that was fitted, in f64, and the table that flies, in f32.
+
+mod emit;
+mod import;
+mod table;
+
+pub use emit::{table_rs, write_files};
+pub use table::{TableData, ThermalData};
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use crate::model::{Mismatch, Polynomial, mismatches};
+use crate::segment::{Overlap, Segment, SegmentError, Segmentation};
+use crate::statistics::AxisStatistics;
+use crate::unit::AxisUnit;
+
+/// Version of the JSON format; a reader refuses another one.
+pub const FORMAT_VERSION: u32 = 1;
+
+/// An overlap mismatch beyond this share of the axis's own bias range raises the alarm: the
+/// neighbours then disagree about more than half of what they are there to remove.
+pub const MISMATCH_ALARM: f64 = 0.5;
+
+/// Coefficients of a unit with their provenance.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CoefficientSet {
+    /// Always `tempco-coefficients`.
+    pub format: String,
+    /// [`FORMAT_VERSION`].
+    pub format_version: u32,
+    /// Serial number of the unit.
+    pub serial: String,
+    /// What made this set, from what, and when.
+    pub provenance: Provenance,
+    /// What was asked of the fit.
+    pub settings: Settings,
+    /// One per temperature channel.
+    pub channels: Vec<ChannelSet>,
+    /// CRC-32P4 over the numbers of all tables, in hexadecimal.
+    pub table_crc32: String,
+}
+
+/// Where a set comes from.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Provenance {
+    /// Program and version.
+    pub tool: String,
+    /// Time of making, RFC 3339, UTC.
+    pub created: String,
+    /// The files it was made from.
+    pub inputs: Vec<Input>,
+}
+
+/// A file that went into a set.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Input {
+    /// Name without folders.
+    pub file: String,
+    /// SHA-256 in hexadecimal.
+    pub sha256: String,
+    /// Rows read.
+    pub rows: usize,
+    /// Rows left out for bad cells, on request.
+    pub skipped_rows: usize,
+    /// Rows that were not fitted because the core did not believe their temperature or interval.
+    pub unusable_rows: usize,
+    /// Median time between rows \[s\].
+    pub interval_s: f64,
+    /// Time from the first row to the last \[s\].
+    pub duration_s: f64,
+}
+
+/// What was asked of the fit.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Settings {
+    /// `static` or `composite`.
+    pub model: Model,
+    /// What is applied where segments overlap.
+    pub overlap: Overlap,
+    /// Angle per pulse \[arcsec\], if pulse counts were turned into deg/h.
+    pub scale_factor_arcsec: Option<f64>,
+}
+
+/// Form of the model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Model {
+    /// `a0 + a1 T + a2 T^2`
+    Static,
+    /// `a0 + a1 T + a2 T^2 + a3 T' + a4 T T'`
+    Composite,
+}
+
+impl Model {
+    /// The form as it is written in settings.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Static => "static",
+            Self::Composite => "composite",
+        }
+    }
+
+    pub(crate) const fn terms(self) -> usize {
+        match self {
+            Self::Static => 3,
+            Self::Composite => 5,
+        }
+    }
+}
+
+/// The axes that share a temperature, and their table.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ChannelSet {
+    /// Name of the temperature column.
+    pub temperature: String,
+    /// The segments and what was found in each.
+    pub segments: Vec<SegmentSet>,
+    /// The axes.
+    pub axes: Vec<AxisSet>,
+    /// The table that flies.
+    pub table: TableData,
+    /// Largest deviation of the table from the segments, as a share of an axis's bias range.
+    pub table_deviation: f64,
+    /// How far a boundary between segments had to be moved to fall on an edge of a cell \[degC\].
+    pub boundary_moved_c: f64,
+}
+
+/// One segment as fitted.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SegmentSet {
+    /// Cold end \[degC\].
+    pub t_min_c: f64,
+    /// Hot end \[degC\].
+    pub t_max_c: f64,
+    /// The terms that were fitted, out of `1, T, T^2, T', T T'`.
+    pub terms: Vec<String>,
+    /// Rows that entered the fit; 0 in an imported set.
+    pub rows: u64,
+    /// Condition number of the fit; 0 in an imported set.
+    pub condition: f64,
+}
+
+/// One axis as fitted.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct AxisSet {
+    /// Name.
+    pub name: String,
+    /// Unit of the bias.
+    pub unit: AxisUnit,
+    /// The polynomial of each segment.
+    pub polynomials: Vec<Polynomial>,
+    /// How well the set does on the logs it was fitted to; none in an imported set.
+    pub statistics: Option<AxisStatistics>,
+}
+
+impl CoefficientSet {
+    /// Reads a set from `coefficients.json`, or a table of static coefficients from CSV.
+    ///
+    /// # Errors
+    /// An unreadable or damaged file: not the format, another version, a table that the core
+    /// refuses, or a CRC that does not belong to the numbers.
+    pub fn read(path: &Path) -> Result<Self, SetError> {
+        let text = fs::read_to_string(path).map_err(|source| SetError::Io {
+            path: path.to_owned(),
+            source,
+        })?;
+        let refuse = |message: String| SetError::Refused {
+            path: path.to_owned(),
+            message,
+        };
+        if path.extension().is_some_and(|extension| extension == "csv") {
+            return import::static_coefficients(path, &text).map_err(refuse);
+        }
+        let set: Self = serde_json::from_str(&text).map_err(|error| {
+            refuse(format!(
+                "line {}, column {}: {error}; expected a coefficient set written by `tempco fit`",
+                error.line(),
+                error.column()
+            ))
+        })?;
+        set.check().map_err(refuse)?;
+        Ok(set)
+    }
+
+    fn check(&self) -> Result<(), String> {
+        if self.format != "tempco-coefficients" || self.format_version != FORMAT_VERSION {
+            return Err(format!(
+                "format {} version {}: expected tempco-coefficients version {FORMAT_VERSION}",
+                self.format, self.format_version
+            ));
+        }
+        let axes = self
+            .channels
+            .first()
+            .map_or(0, |channel| channel.axes.len());
+        if axes == 0 || self.axes().count() > 6 {
+            return Err(format!("{} axes: expected 1 to 6", self.axes().count()));
+        }
+        for channel in &self.channels {
+            if channel.axes.len() != axes {
+                return Err("the temperature channels have different numbers of axes".to_owned());
+            }
+            channel.segmentation().map_err(|error| error.to_string())?;
+            for axis in &channel.axes {
+                if axis.polynomials.len() != channel.segments.len() {
+                    return Err(format!(
+                        "axis {} has {} polynomials for {} segments",
+                        axis.name,
+                        axis.polynomials.len(),
+                        channel.segments.len()
+                    ));
+                }
+            }
+            channel
+                .table
+                .check(axes)
+                .map_err(|error| error.to_string())?;
+        }
+        let crc = self.crc32();
+        if self.table_crc32 != format!("{crc:08x}") {
+            return Err(format!(
+                "the CRC of the tables is {crc:08x}, but the file says {}: it was damaged or \
+                 changed by hand",
+                self.table_crc32
+            ));
+        }
+        Ok(())
+    }
+
+    /// CRC-32P4 over the numbers of all tables.
+    pub fn crc32(&self) -> u32 {
+        table::crc32(self.channels.iter().map(|channel| &channel.table))
+    }
+
+    /// All axes, channel by channel, each with the position of its channel.
+    pub fn axes(&self) -> impl Iterator<Item = (usize, &AxisSet)> {
+        let channels = self.channels.iter().enumerate();
+        channels
+            .flat_map(|(position, channel)| channel.axes.iter().map(move |axis| (position, axis)))
+    }
+}
+
+impl ChannelSet {
+    /// The segments as a checked list.
+    ///
+    /// # Errors
+    /// Segments that no fit makes; not in a set that was read.
+    pub fn segmentation(&self) -> Result<Segmentation, SegmentError> {
+        let ranges = self.segments.iter().map(|segment| Segment {
+            t_min_c: segment.t_min_c,
+            t_max_c: segment.t_max_c,
+        });
+        Segmentation::new(ranges.collect())
+    }
+
+    /// How far neighbouring segments disagree, for one axis.
+    pub fn mismatches(&self, axis: usize) -> Vec<Mismatch> {
+        self.segmentation().map_or_else(
+            |_| Vec::new(),
+            |segmentation| mismatches(&segmentation, &self.axes[axis].polynomials),
+        )
+    }
+
+    /// Whether a mismatch of an axis raises the alarm.
+    pub fn mismatch_alarm(&self, axis: usize) -> bool {
+        let limit = MISMATCH_ALARM * self.table.static_range(axis);
+        self.mismatches(axis)
+            .iter()
+            .any(|mismatch| mismatch.overlap_mismatch > limit)
+    }
+}
+
+/// A coefficient set was refused.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum SetError {
+    /// The file cannot be read.
+    #[error("{}: {source}", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// The contents are unusable.
+    #[error("{}: {message}", path.display())]
+    Refused {
+        /// The file.
+        path: PathBuf,
+        /// What was found and what was expected.
+        message: String,
+    },
+}

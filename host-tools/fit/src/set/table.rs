@@ -1,0 +1,222 @@
+//! The table of a channel as data: what JSON holds, what the core borrows, what the CRC covers.
+
+use serde::{Deserialize, Serialize};
+use tempco::{Table, TableError, Terms, Thermal, ThermalSettings};
+
+/// CRC-32P4, which finds all errors of up to 5 bits in tables of up to 1024 bytes.
+const CRC: crc::Crc<u32> = crc::Crc::<u32>::new(&crc::CRC_32_AUTOSAR);
+
+/// A table of the core with as many cells and axes as needed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TableData {
+    /// Settings of the thermal path.
+    pub thermal: ThermalData,
+    /// Cold edge of the first cell \[degC\].
+    pub first_edge_c: f32,
+    /// Hot edge of the last cell \[degC\].
+    pub last_edge_c: f32,
+    /// Cold end of the calibrated range \[degC\].
+    pub t_min_c: f32,
+    /// Hot end of the calibrated range \[degC\].
+    pub t_max_c: f32,
+    /// `[a0, a1, a2, r0, r1]` by cell and axis, in the basis of the cell (0 at its cold edge, 1 at
+    /// its hot edge).
+    pub cells: Vec<Vec<[f32; 5]>>,
+}
+
+/// [`ThermalSettings`] as data.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[allow(missing_docs, reason = "the fields are documented at ThermalSettings")]
+pub struct ThermalData {
+    pub sensor_min_c: f32,
+    pub sensor_max_c: f32,
+    pub spike_gate_c: f32,
+    pub max_slew_c_per_min: f32,
+    pub hold_s: f32,
+    pub heal_s: f32,
+    pub tau_s: f32,
+    pub kappa: f32,
+    pub rate_min_c_per_min: f32,
+    pub rate_max_c_per_min: f32,
+    pub reference_c: f32,
+}
+
+macro_rules! convert {
+    ($from:ty => $to:ty) => {
+        impl From<$from> for $to {
+            fn from(s: $from) -> Self {
+                Self {
+                    sensor_min_c: s.sensor_min_c,
+                    sensor_max_c: s.sensor_max_c,
+                    spike_gate_c: s.spike_gate_c,
+                    max_slew_c_per_min: s.max_slew_c_per_min,
+                    hold_s: s.hold_s,
+                    heal_s: s.heal_s,
+                    tau_s: s.tau_s,
+                    kappa: s.kappa,
+                    rate_min_c_per_min: s.rate_min_c_per_min,
+                    rate_max_c_per_min: s.rate_max_c_per_min,
+                    reference_c: s.reference_c,
+                }
+            }
+        }
+    };
+}
+convert!(ThermalSettings => ThermalData);
+convert!(ThermalData => ThermalSettings);
+
+impl ThermalData {
+    /// The settings by name, in their order in the core.
+    pub fn named(&self) -> [(&'static str, f32); 11] {
+        [
+            ("sensor_min_c", self.sensor_min_c),
+            ("sensor_max_c", self.sensor_max_c),
+            ("spike_gate_c", self.spike_gate_c),
+            ("max_slew_c_per_min", self.max_slew_c_per_min),
+            ("hold_s", self.hold_s),
+            ("heal_s", self.heal_s),
+            ("tau_s", self.tau_s),
+            ("kappa", self.kappa),
+            ("rate_min_c_per_min", self.rate_min_c_per_min),
+            ("rate_max_c_per_min", self.rate_max_c_per_min),
+            ("reference_c", self.reference_c),
+        ]
+    }
+}
+
+impl TableData {
+    /// The cells of `AXES` axes from the first of `axes` on, as the core borrows them.
+    ///
+    /// # Panics
+    /// If the table has fewer axes.
+    pub fn terms<const AXES: usize>(&self, first_axis: usize) -> Vec<[Terms; AXES]> {
+        self.cells
+            .iter()
+            .map(|cell| {
+                std::array::from_fn(|axis| {
+                    let [a0, a1, a2, r0, r1] = cell[first_axis + axis];
+                    Terms {
+                        a: [a0, a1, a2],
+                        r: [r0, r1],
+                    }
+                })
+            })
+            .collect()
+    }
+
+    /// The core's table over `cells` from [`terms`](Self::terms).
+    ///
+    /// # Errors
+    /// What the core refuses.
+    pub fn table<'a, const AXES: usize>(
+        &self,
+        cells: &'a [[Terms; AXES]],
+    ) -> Result<Table<'a, AXES>, TableError> {
+        let thermal = Thermal::new(self.thermal.into())?;
+        Table::new(thermal, self.first_edge_c, self.last_edge_c, cells)?
+            .calibrated(self.t_min_c, self.t_max_c)
+    }
+
+    /// Runs `read` on a one-axis table of the core.
+    pub(crate) fn with_axis<R>(
+        &self,
+        axis: usize,
+        read: impl FnOnce(&Table<1>) -> R,
+    ) -> Result<R, TableError> {
+        let cells = self.terms::<1>(axis);
+        Ok(read(&self.table(&cells)?))
+    }
+
+    pub(crate) fn check(&self, axes: usize) -> Result<(), String> {
+        if self.cells.iter().any(|cell| cell.len() != axes) {
+            return Err(format!("a cell of the table does not have {axes} axes"));
+        }
+        (0..axes).try_for_each(|axis| {
+            self.with_axis(axis, |_| ())
+                .map_err(|error| error.to_string())
+        })
+    }
+
+    /// Temperatures that show the whole static curve: the edges and three places in each cell,
+    /// within the calibrated range.
+    fn sample_temps_c(&self) -> Vec<f32> {
+        let count = 4 * self.cells.len();
+        let step_c = (self.last_edge_c - self.first_edge_c) / count as f32;
+        (0..=count)
+            .map(|i| self.first_edge_c + step_c * i as f32)
+            .map(|temp_c| temp_c.clamp(self.t_min_c, self.t_max_c))
+            .collect()
+    }
+
+    /// Range of an axis's static bias over the calibrated temperatures \[unit of the axis\].
+    pub fn static_range(&self, axis: usize) -> f64 {
+        let range = self.with_axis(axis, |table| {
+            let biases = self.sample_temps_c().into_iter().map(|effective_c| {
+                let point = tempco::ThermalPoint {
+                    effective_c,
+                    ..Default::default()
+                };
+                f64::from(table.bias(&point).0[0])
+            });
+            biases.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), bias| {
+                (low.min(bias), high.max(bias))
+            })
+        });
+        range.map_or(0.0, |(low, high)| high - low)
+    }
+
+    /// Jumps of an axis at the edges between cells, as the core's arithmetic makes them: the
+    /// temperature and the largest jump at zero, lowest and highest rate.
+    pub fn jumps(&self, axis: usize) -> Vec<(f32, f32)> {
+        let width_c = (self.last_edge_c - self.first_edge_c) / self.cells.len() as f32;
+        let cells = self.terms::<1>(axis);
+        let thermal = &self.thermal;
+        let edges = cells.windows(2).enumerate();
+        edges
+            .map(|(cell, pair)| {
+                let rates = [0.0, thermal.rate_min_c_per_min, thermal.rate_max_c_per_min];
+                let jump = rates
+                    .map(|rate| (pair[1][0].bias(0.0, rate) - pair[0][0].bias(1.0, rate)).abs())
+                    .into_iter()
+                    .fold(0.0, f32::max);
+                (self.first_edge_c + width_c * (cell + 1) as f32, jump)
+            })
+            .collect()
+    }
+
+    /// The largest of the [`jumps`](Self::jumps).
+    pub fn max_jump(&self, axis: usize) -> f32 {
+        self.jumps(axis)
+            .into_iter()
+            .map(|(_, jump)| jump)
+            .fold(0.0, f32::max)
+    }
+}
+
+/// CRC over the numbers of the tables: for each, the thermal settings, the four temperatures, the
+/// numbers of cells and axes as u32, then the cells; all little-endian.
+pub(crate) fn crc32<'a>(tables: impl Iterator<Item = &'a TableData>) -> u32 {
+    let mut digest = CRC.digest();
+    for table in tables {
+        let settings = table.thermal.named().map(|(_, value)| value);
+        let temps = [
+            table.first_edge_c,
+            table.last_edge_c,
+            table.t_min_c,
+            table.t_max_c,
+        ];
+        for value in settings.into_iter().chain(temps) {
+            digest.update(&value.to_le_bytes());
+        }
+        let axes = table.cells.first().map_or(0, Vec::len);
+        for count in [table.cells.len(), axes] {
+            digest.update(&(count as u32).to_le_bytes());
+        }
+        for value in table.cells.iter().flatten().flatten() {
+            digest.update(&value.to_le_bytes());
+        }
+    }
+    digest.finalize()
+}

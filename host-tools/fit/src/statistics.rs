@@ -1,0 +1,164 @@
+//! How well a finished set does on the logs it was fitted to, beside a plain cubic in T.
+
+use serde::{Deserialize, Serialize};
+
+use crate::apply::{ApplyError, apply};
+use crate::fit::ChannelData;
+use crate::log::Log;
+use crate::metrics::Means;
+use crate::rfactor::RFactor;
+use crate::segment::Segment;
+use crate::set::CoefficientSet;
+
+/// Figures of an axis over the fitted logs \[unit of the axis\].
+///
+/// `rmse` figures are of single rows, `sigma` figures of means over `tau_s`; each about the mean
+/// of the log it belongs to. `cubic` is one cubic in T, fitted to the same rows for comparison.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct AxisStatistics {
+    /// Rows.
+    pub rows: usize,
+    /// RMS without compensation.
+    pub rmse_raw: f64,
+    /// RMS with the cubic.
+    pub rmse_cubic: f64,
+    /// RMS with the emitted table, applied by the core.
+    pub rmse_compensated: f64,
+    /// Averaging time \[s\].
+    pub tau_s: f64,
+    /// Number of means.
+    pub n: usize,
+    /// Bias stability at `tau_s` without compensation.
+    pub sigma_raw: f64,
+    /// Bias stability at `tau_s` with the cubic.
+    pub sigma_cubic: f64,
+    /// Bias stability at `tau_s` with the emitted table, applied by the core.
+    pub sigma_compensated: f64,
+}
+
+/// Applies the set to the logs by the core and notes the figures of each axis in it.
+pub(crate) fn note(
+    set: &mut CoefficientSet,
+    logs: &[Log],
+    channels: &[ChannelData],
+    tau_s: f64,
+) -> Result<(), ApplyError> {
+    let applied = logs
+        .iter()
+        .map(|log| apply(set, log))
+        .collect::<Result<Vec<_>, _>>()?;
+    let mut number = 0;
+    for (channel, data) in set.channels.iter_mut().zip(channels) {
+        let cubics = Cubics::fit(data);
+        for (of_channel, axis) in channel.axes.iter_mut().enumerate() {
+            let [mut raw, mut cubic, mut compensated] = [(); 3].map(|()| Pool::default());
+            for (position, (log, applied)) in logs.iter().zip(&applied).enumerate() {
+                let output = &applied.axes[number];
+                raw.add(log, tau_s, output.raw.iter().map(|&v| f64::from(v)));
+                let values = output.compensated.iter().map(|&v| f64::from(v));
+                compensated.add(log, tau_s, values);
+                let values = cubics.residuals(data, position, of_channel);
+                cubic.add(log, tau_s, values);
+            }
+            axis.statistics = Some(AxisStatistics {
+                rows: raw.rows,
+                rmse_raw: raw.rmse(),
+                rmse_cubic: cubic.rmse(),
+                rmse_compensated: compensated.rmse(),
+                tau_s,
+                n: raw.means,
+                sigma_raw: raw.sigma(),
+                sigma_cubic: cubic.sigma(),
+                sigma_compensated: compensated.sigma(),
+            });
+            number += 1;
+        }
+    }
+    Ok(())
+}
+
+/// Sums of squares over several logs, each about its own mean.
+#[derive(Default)]
+struct Pool {
+    rows: usize,
+    row_squares: f64,
+    means: usize,
+    mean_squares: f64,
+    logs: usize,
+}
+
+impl Pool {
+    fn add(&mut self, log: &Log, tau_s: f64, values: impl Iterator<Item = f64> + Clone) {
+        let means = Means::new(&log.time_s, log.interval_s, values.clone(), tau_s);
+        self.rows += log.rows();
+        self.row_squares += squares_about(values, means.mean);
+        if !means.means.is_empty() {
+            let mean = means.means.iter().sum::<f64>() / means.means.len() as f64;
+            self.means += means.means.len();
+            self.mean_squares += squares_about(means.means.iter().copied(), mean);
+            self.logs += 1;
+        }
+    }
+
+    fn rmse(&self) -> f64 {
+        (self.row_squares / self.rows as f64).sqrt()
+    }
+
+    /// Each log's mean costs a degree of freedom; 0 where there are too few means to tell.
+    fn sigma(&self) -> f64 {
+        match self.means.saturating_sub(self.logs) {
+            0 => 0.0,
+            freedom => (self.mean_squares / freedom as f64).sqrt(),
+        }
+    }
+}
+
+fn squares_about(values: impl Iterator<Item = f64>, mean: f64) -> f64 {
+    values.map(|value| (value - mean).powi(2)).sum()
+}
+
+/// One cubic in T for each axis of a channel, over all usable rows.
+struct Cubics {
+    range: Segment,
+    coefficients: Vec<Vec<f64>>,
+}
+
+impl Cubics {
+    fn fit(data: &ChannelData) -> Self {
+        let (low, high) = data.range(|point| point.effective_c);
+        let range = Segment {
+            t_min_c: f64::from(low),
+            t_max_c: f64::from(high),
+        };
+        let mut factor = RFactor::new(4, data.axes());
+        for (point, raw) in data.rows() {
+            let z = (f64::from(point.effective_c) - range.centre_c()) / range.half_width_c();
+            factor.push([1.0, z, z * z, z * z * z].into_iter().chain(raw));
+        }
+        // Data that cannot carry a cubic can carry fewer powers; a constant always.
+        let solution = (1..=4).rev().find_map(|terms| factor.solve(terms));
+        Self {
+            range,
+            coefficients: solution.map_or_else(
+                || vec![Vec::new(); data.axes()],
+                |solution| solution.coefficients,
+            ),
+        }
+    }
+
+    fn residuals<'a>(
+        &'a self,
+        data: &'a ChannelData,
+        log: usize,
+        axis: usize,
+    ) -> impl Iterator<Item = f64> + Clone + 'a {
+        let raw = &data.logs[log].channels[data.channel].axes[axis].raw;
+        raw.iter().zip(&data.points[log]).map(move |(raw, point)| {
+            let z =
+                (f64::from(point.effective_c) - self.range.centre_c()) / self.range.half_width_c();
+            let powers = self.coefficients[axis].iter().rev();
+            raw - powers.fold(0.0, |sum, coefficient| sum * z + coefficient)
+        })
+    }
+}
