@@ -1,2 +1,30 @@
-#![forbid(unsafe_code)]
-//! x
+//! The tempco firmware: what is the same on every board and on the host.
+//!
+//! - [`app`]: the application, generic over `embedded-io`; runs and is tested on the host too
+//! - [`table`]: the coefficient table built into the image
+//! - [`board`]: what differs between boards
+//! - [`kernels`]: the functions whose instructions the `bench` image counts
+//! - `target`: semihosting, panics and faults; only on a target
+//!
+//! The images are in `src/bin`. On the host they compile to programs that say so.
+#![no_std]
+
+pub mod app;
+pub mod board;
+pub mod kernels;
+pub mod table;
+#[cfg(target_os = "none")]
+pub mod target;
+
+#[cfg(not(target_os = "none"))]
+extern crate std;
+
+/// What an image does where there is no target to run on.
+#[cfg(not(target_os = "none"))]
+pub fn host_main() -> std::process::ExitCode {
+    std::eprintln!(
+        "This is a firmware image compiled for the host, where it does nothing. \
+         Build it with --target thumbv7em-none-eabihf."
+    );
+    std::process::ExitCode::from(2)
+}

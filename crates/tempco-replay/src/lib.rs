@@ -1,3 +1,59 @@
+//! Replays a log through the compensator, in the same way on a host and on a target.
+//!
+//! A log becomes a stream of fixed-length samples; the replay step turns each into an outcome of
+//! fixed length. Host and firmware run the same [`Replay`], so their outcome streams can be
+//! compared byte by byte. This crate knows nothing of files or wires: it encodes into and decodes
+//! from byte slices, without heap and without panics.
+//!
+//! # Format
+//!
+//! A stream is one [`Header`] followed by records until it ends. All numbers are little-endian;
+//! `f32` is IEEE 754 single precision. With `C` temperature channels of `A` axes each:
+//!
+//! | header, 16 bytes | offset | type | content |
+//! |---|---|---|---|
+//! | magic | 0 | 8 bytes | `TCSAMPLE` or `TCOUTCOM` |
+//! | version | 8 | u16 | [`VERSION`] |
+//! | channels | 10 | u8 | `C` |
+//! | axes | 11 | u8 | `A` |
+//! | table CRC | 12 | u32 | of the table that made the outcomes; 0 for samples |
+//!
+//! | sample, `4 (1 + C + C A)` bytes | offset | type | content |
+//! |---|---|---|---|
+//! | `dt_s` | 0 | f32 | time since the sample before \[s\] |
+//! | `temps_c[c]` | `4 + 4 c` | f32 | temperature \[degC\] |
+//! | `raw[c][a]` | `4 + 4 C + 4 (c A + a)` | f32 | gyro sample \[unit of the axis\] |
+//!
+//! | outcome, `C` times `4 (3 + 2 A)` bytes | offset in channel | type | content |
+//! |---|---|---|---|
+//! | `effective_c` | 0 | f32 | effective temperature \[degC\] |
+//! | `rate_c_per_min` | 4 | f32 | rate of temperature \[degC/min\] |
+//! | `status` | 8 | u32 | bits of [`tempco::Status`] |
+//! | `bias[a]` | `12 + 8 a` | f32 | bias taken out \[unit of the axis\] |
+//! | `compensated[a]` | `16 + 8 a` | f32 | sample without it \[unit of the axis\] |
+//!
+//! # Example
+//!
+//! ```
+//! use tempco_replay::{Header, Record, Sample, decode_all};
+//!
+//! let sample = Sample { dt_s: 1.0, temps_c: [25.0], raw: [[0.1, 0.2, 0.3]] };
+//! let mut bytes = [0; Header::LEN + Sample::<1, 3>::LEN];
+//! bytes[..Header::LEN].copy_from_slice(&Header::samples::<1, 3>().encode());
+//! sample.encode(&mut bytes[Header::LEN..])?;
+//!
+//! Header::decode(&bytes)?.expect(&Header::samples::<1, 3>())?;
+//! let mut samples = decode_all::<Sample<1, 3>>(&bytes[Header::LEN..])?;
+//! assert_eq!(samples.next(), Some(sample));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 #![no_std]
 #![forbid(unsafe_code)]
-//! x
+
+mod header;
+mod record;
+mod replay;
+
+pub use header::{Header, HeaderError, Kind, VERSION};
+pub use record::{ChannelOutcome, Outcome, Record, RecordError, Sample, decode_all};
+pub use replay::{Replay, Summary};

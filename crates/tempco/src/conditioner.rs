@@ -1,5 +1,7 @@
 //! Decides which temperatures to believe, before anything is differentiated.
 
+use core::hint::select_unpredictable;
+
 use crate::interval::Interval;
 use crate::{Status, Thermal};
 
@@ -60,15 +62,12 @@ impl Conditioner {
         let stepped = jump > settings.spike_gate_c + interval.slew_c;
         let restart = believed & (was_lost | stepped | interval.restart);
 
-        self.temp_c = if believed { temp_c } else { self.temp_c };
-        self.gate_c = if believed {
-            settings.spike_gate_c
-        } else {
-            gate_c
-        };
+        // Plain conditions on `believed` would be gathered into one branch.
+        self.temp_c = select_unpredictable(believed, temp_c, self.temp_c);
+        self.gate_c = select_unpredictable(believed, settings.spike_gate_c, gate_c);
         let lost = self.gate_c > thermal.lost_gate_c;
 
-        let heal_s = if believed { 0.0 } else { settings.heal_s };
+        let heal_s = select_unpredictable(believed, 0.0, settings.heal_s);
         let left_s = self.settling_s - interval.dt_s;
         let settling_s = if left_s > heal_s { left_s } else { heal_s };
         self.settling_s = if restart {

@@ -1,2 +1,46 @@
+//! Builds the tempco firmware, runs it in QEMU and reads what it logs.
+//!
+//! One module per concern, each usable alone:
+//!
+//! - [`Workspace`]: where the sources are
+//! - [`ensure_target`], [`ensure_qemu`]: install what is missing
+//! - [`build`]: an image for a [`Board`], with a coefficient table
+//! - [`Layout`]: where an image lies in memory, and how much of it it takes
+//! - [`run()`]: an image in QEMU, with a time limit, its exit code and its decoded log
+//! - [`replay()`]: a log through the `replay` image
+//!
+//! A replay is bytes in and bytes out, in the format of `tempco-replay`. The same firmware behind
+//! a serial port would be a sibling of [`replay()`] that needs nothing else from this crate.
+//!
+//! ```no_run
+//! use tempco_qemu::{Board, Workspace, build, ensure_qemu, ensure_target, replay};
+//!
+//! # fn samples() -> Vec<u8> { Vec::new() }
+//! let workspace = Workspace::find()?;
+//! ensure_target(&workspace)?;
+//! ensure_qemu(&workspace)?;
+//! let image = build(&workspace, Board::Mps2An386, "replay", None)?;
+//! let (outcomes, run) = replay(&image, Board::Mps2An386, &samples())?;
+//! assert!(run.succeeded(), "{:?}", run.log);
+//! # Ok::<(), tempco_qemu::Error>(())
+//! ```
 #![forbid(unsafe_code)]
-//! x
+
+mod board;
+mod build;
+mod error;
+mod install;
+mod layout;
+mod log;
+mod replay;
+mod run;
+mod workspace;
+
+pub use board::Board;
+pub use build::build;
+pub use error::Error;
+pub use install::{TARGET, ensure_qemu, ensure_target};
+pub use layout::Layout;
+pub use replay::replay;
+pub use run::{Options, Run, run};
+pub use workspace::Workspace;

@@ -1,0 +1,109 @@
+//! The step that host and firmware share.
+
+use tempco::{Compensator, Interval, Status, Table, Validity};
+
+use crate::{ChannelOutcome, Outcome, Sample};
+
+/// One compensator per temperature channel, fed with a log.
+///
+/// The first sample starts every channel at its temperature; that sample and all later ones are
+/// then stepped with the time they bring along.
+#[derive(Clone, Debug)]
+pub struct Replay<'t, const C: usize, const A: usize> {
+    tables: &'t [Table<'t, A>; C],
+    units: [Compensator<'t, A>; C],
+    samples: u32,
+    not_valid: u32,
+    seen: Status,
+}
+
+impl<'t, const C: usize, const A: usize> Replay<'t, C, A> {
+    /// A replay before its first sample; one table per temperature channel.
+    pub fn new(tables: &'t [Table<'t, A>; C]) -> Self {
+        Self {
+            tables,
+            units: tables.each_ref().map(Compensator::new),
+            samples: 0,
+            not_valid: 0,
+            seen: Status::OK,
+        }
+    }
+
+    /// Takes one sample through every channel.
+    pub fn step(&mut self, sample: &Sample<C, A>) -> Outcome<C, A> {
+        let first = self.samples == 0;
+        let mut seen = Status::OK;
+        let channels = core::array::from_fn(|channel| {
+            let unit = &mut self.units[channel];
+            let interval = Interval::new(self.tables[channel].thermal(), sample.dt_s);
+            let temp_c = sample.temps_c[channel];
+            if first {
+                unit.start(temp_c);
+            }
+            let output = unit.step(&interval, temp_c, sample.raw[channel]);
+            seen |= output.status;
+            ChannelOutcome {
+                effective_c: output.point.effective_c,
+                rate_c_per_min: output.point.rate_c_per_min,
+                status: u32::from(output.status.bits()),
+                bias: output.bias,
+                compensated: output.compensated.map(canonical),
+            }
+        });
+        self.samples = self.samples.saturating_add(1);
+        let not_valid = u32::from(seen.validity() != Validity::Valid);
+        self.not_valid = self.not_valid.saturating_add(not_valid);
+        self.seen |= seen;
+        Outcome { channels }
+    }
+
+    /// What happened so far.
+    pub fn summary(&self) -> Summary {
+        let total = |count: fn(&Compensator<'t, A>) -> u32| {
+            self.units
+                .iter()
+                .fold(0, |sum: u32, unit| sum.saturating_add(count(unit)))
+        };
+        Summary {
+            samples: self.samples,
+            not_valid: self.not_valid,
+            rejected: total(|unit| unit.thermal_state().rejected()),
+            restarts: total(|unit| unit.thermal_state().restarts()),
+            seen: self.seen,
+        }
+    }
+}
+
+/// A NaN of an arithmetic operation differs in sign and payload between processors; here it is
+/// always the positive quiet one.
+fn canonical(value: f32) -> f32 {
+    if value.is_nan() {
+        f32::from_bits(0x7fc0_0000)
+    } else {
+        value
+    }
+}
+
+/// What happened during a replay. The counters stop at their largest value.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Summary {
+    /// Samples taken.
+    pub samples: u32,
+    /// Samples with any remark in any channel.
+    pub not_valid: u32,
+    /// Temperatures rejected, over all channels.
+    pub rejected: u32,
+    /// Starts and restarts of the rate estimator, over all channels.
+    pub restarts: u32,
+    /// Every flag that was ever set.
+    pub seen: Status,
+}
+
+impl Summary {
+    /// The worst class any sample was in.
+    pub const fn worst(&self) -> Validity {
+        // The class of a set of flags is the worst of its flags, so the union has the worst of all.
+        self.seen.validity()
+    }
+}

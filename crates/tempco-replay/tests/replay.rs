@@ -1,0 +1,103 @@
+//! The replay step against the core it wraps.
+
+use tempco::{Compensator, Interval, Status, Table, Terms, Thermal, ThermalSettings, Validity};
+use tempco_replay::{Replay, Sample};
+
+const CELLS: [[Terms; 2]; 2] = [[Terms {
+    a: [1.0, 2.0, 0.5],
+    r: [0.25, 0.125],
+}; 2]; 2];
+
+fn table(tau_s: f32) -> Table<'static, 2> {
+    let thermal = Thermal::new(ThermalSettings {
+        tau_s,
+        ..ThermalSettings::DEFAULT
+    });
+    Table::new(thermal.unwrap(), -15.0, 80.0, &CELLS).unwrap()
+}
+
+fn sample(dt_s: f32, temps_c: [f32; 2]) -> Sample<2, 2> {
+    Sample {
+        dt_s,
+        temps_c,
+        raw: [[1.0, 2.0], [3.0, 4.0]],
+    }
+}
+
+#[test]
+fn each_channel_is_a_compensator_of_its_own_started_once() {
+    let tables = [table(60.0), table(10.0)];
+    let mut replay = Replay::new(&tables);
+    let mut units = [Compensator::new(&tables[0]), Compensator::new(&tables[1])];
+    for i in 0..200_u8 {
+        let temps_c = [20.0 + f32::from(i) * 0.01, 40.0 - f32::from(i) * 0.02];
+        let sample = sample(if i == 100 { 7.0 } else { 1.0 }, temps_c);
+        let outcome = replay.step(&sample);
+        for channel in 0..2 {
+            if i == 0 {
+                units[channel].start(temps_c[channel]);
+            }
+            let interval = Interval::new(tables[channel].thermal(), sample.dt_s);
+            let expected = units[channel].step(&interval, temps_c[channel], sample.raw[channel]);
+            let got = outcome.channels[channel];
+            assert_eq!(got.effective_c, expected.point.effective_c);
+            assert_eq!(got.rate_c_per_min, expected.point.rate_c_per_min);
+            assert_eq!(got.flags(), expected.status);
+            assert_eq!(got.bias, expected.bias);
+            assert_eq!(got.compensated, expected.compensated);
+        }
+        // The longest interval is 5 s for a time constant of 10 s, and 30 s for one of 60 s.
+        let long = outcome
+            .channels
+            .map(|c| c.flags().contains(Status::INTERVAL_INVALID));
+        assert_eq!(long, [false, i == 100]);
+    }
+}
+
+#[test]
+fn summary_counts_what_happened() {
+    let tables = [table(60.0), table(60.0)];
+    let mut replay = Replay::new(&tables);
+    assert_eq!(replay.summary().samples, 0);
+    assert_eq!(replay.summary().worst(), Validity::Valid);
+
+    // Both channels settle for 180 s after their start.
+    for _ in 0..300 {
+        replay.step(&sample(1.0, [25.0, 25.0]));
+    }
+    let settled = replay.summary();
+    assert_eq!(
+        (settled.samples, settled.rejected, settled.restarts),
+        (300, 0, 2)
+    );
+    assert!((179..=181).contains(&settled.not_valid), "{settled:?}");
+    assert_eq!(settled.seen, Status::SETTLING);
+    assert_eq!(settled.worst(), Validity::Degraded);
+
+    replay.step(&sample(1.0, [f32::NAN, 25.0]));
+    let mut bad_raw = sample(1.0, [25.0, 25.0]);
+    bad_raw.raw[1][0] = f32::NEG_INFINITY;
+    replay.step(&bad_raw);
+    let end = replay.summary();
+    assert_eq!((end.samples, end.rejected), (302, 1));
+    assert_eq!(end.not_valid, settled.not_valid + 2);
+    assert!(
+        end.seen
+            .contains(Status::TEMPERATURE_INVALID | Status::RAW_INVALID)
+    );
+    assert_eq!(end.worst(), Validity::Invalid);
+}
+
+#[test]
+fn every_nan_comes_out_as_the_same_one() {
+    let tables = [table(60.0); 2];
+    let mut replay = Replay::new(&tables);
+    for bits in [0x7fc0_0000, 0xffc0_0000, 0x7f80_0001, 0xffff_ffff] {
+        let mut bad = sample(1.0, [25.0, 25.0]);
+        bad.raw[0] = [f32::from_bits(bits), f32::INFINITY];
+        let channel = replay.step(&bad).channels[0];
+        assert_eq!(channel.compensated[0].to_bits(), 0x7fc0_0000);
+        assert_eq!(channel.compensated[1], f32::INFINITY);
+        assert!(channel.bias.iter().all(|bias| bias.is_finite()));
+    }
+}

@@ -1,0 +1,71 @@
+//! Chooses the board's memory and the coefficient table, and says how images are linked.
+//!
+//! All link arguments are here and nowhere else: a `.cargo/config.toml` depends on the folder
+//! cargo is started in, and `RUSTFLAGS` replaces what it says. Either way the result would be an
+//! image that links and does not boot.
+
+use std::path::{Path, PathBuf};
+use std::{env, fs};
+
+/// The environment variable that names the coefficient table to build in (an absolute path).
+const TABLE: &str = "TEMPCO_TABLE";
+
+fn main() {
+    let package = PathBuf::from(variable("CARGO_MANIFEST_DIR"));
+    table(&package);
+    if variable("CARGO_CFG_TARGET_OS") == "none" {
+        memory(&package);
+        for argument in ["--nmagic", "-Tlink.x", "-Tdefmt.x"] {
+            println!("cargo:rustc-link-arg-bins={argument}");
+        }
+    }
+    println!("cargo:rerun-if-changed=build.rs");
+}
+
+fn table(package: &Path) {
+    println!("cargo:rerun-if-env-changed={TABLE}");
+    let table = match env::var_os(TABLE) {
+        Some(path) => PathBuf::from(path),
+        None => package.join("tables/example.rs"),
+    };
+    assert!(
+        table.is_absolute() && table.is_file(),
+        "{TABLE} must be the absolute path of a table written by `tempco fit`, not {table:?}"
+    );
+    println!("cargo:rerun-if-changed={}", table.display());
+    println!("cargo:rustc-env=TEMPCO_TABLE_RS={}", table.display());
+}
+
+/// Copies the chosen board's memory file to where the `INCLUDE` of the workspace's `memory.x`
+/// finds it.
+fn memory(package: &Path) {
+    let boards: Vec<String> = env::vars()
+        .filter_map(|(name, _)| name.strip_prefix("CARGO_FEATURE_BOARD_").map(board_name))
+        .collect();
+    let [board] = boards.as_slice() else {
+        panic!("exactly one board-* feature must be chosen for an image, not {boards:?}");
+    };
+    let memory = package.join("boards").join(board).with_extension("x");
+    let out = PathBuf::from(variable("OUT_DIR"));
+    fs::copy(&memory, out.join("tempco-board.x"))
+        .unwrap_or_else(|error| panic!("{}: {error}", memory.display()));
+
+    let workspace = package.join("..");
+    println!("cargo:rerun-if-changed={}", memory.display());
+    println!(
+        "cargo:rerun-if-changed={}",
+        workspace.join("memory.x").display()
+    );
+    println!("cargo:rustc-link-search={}", out.display());
+    // For a linker that is not started in the workspace's root.
+    println!("cargo:rustc-link-search={}", workspace.display());
+}
+
+/// Cargo passes the feature `board-mps2-an386` as `CARGO_FEATURE_BOARD_MPS2_AN386`.
+fn board_name(feature: &str) -> String {
+    feature.to_lowercase().replace('_', "-")
+}
+
+fn variable(name: &str) -> String {
+    env::var(name).unwrap_or_else(|_| panic!("cargo sets {name}"))
+}

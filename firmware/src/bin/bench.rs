@@ -1,0 +1,175 @@
+//! Image `bench`: executed instructions of the compensator, counted in QEMU.
+//!
+//! Needs `-icount shift=0`, where an instruction takes 1 ns of the time that SysTick counts. Every
+//! input is measured from the same state in 160 calls, and the cost of measuring is
+//! measured with an empty function and taken off. A line is `bench NAME MIN MAX`, in instructions
+//! per call with its return, over all inputs; or `size NAME BYTES`.
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[cfg(not(target_os = "none"))]
+fn main() -> std::process::ExitCode {
+    tempco_firmware::host_main()
+}
+
+#[cfg(target_os = "none")]
+mod image {
+    use core::hint::black_box;
+
+    use cortex_m::peripheral::{SYST, syst::SystClkSource};
+    use tempco::{Interval, Output, Table, ThermalPoint};
+    use tempco_firmware::board::BOARD;
+    use tempco_firmware::kernels::{self, Inputs, Kernel, Units};
+    use tempco_firmware::table::{AXES, TABLES};
+    use tempco_firmware::target::{banner, exit};
+
+    /// Calls per measurement. With 40 ns per count, 160 calls are 4 counts per instruction: the
+    /// counter's phase, which is worth one count, cannot change the rounded result.
+    const CALLS: u32 = 160;
+
+    const SPECIAL: [f32; 10] = [
+        f32::NAN,
+        f32::INFINITY,
+        f32::NEG_INFINITY,
+        0.0,
+        -0.0,
+        1e-40,
+        -1e-40,
+        3e38,
+        -3e38,
+        f32::MIN_POSITIVE,
+    ];
+
+    const KERNELS: [(&str, Kernel<'static, AXES>); 5] = [
+        ("step", kernels::step),
+        ("update", kernels::update),
+        ("compensate", kernels::compensate),
+        ("interval", kernels::interval),
+        ("cubic_baseline", kernels::cubic),
+    ];
+
+    #[cortex_m_rt::entry]
+    fn main() -> ! {
+        banner("bench");
+        let Some(core) = cortex_m::Peripherals::take() else {
+            exit(false)
+        };
+        let mut clock = core.SYST;
+        clock.set_clock_source(SystClkSource::Core);
+        clock.set_reload(0x00ff_ffff);
+        clock.clear_current();
+        clock.enable_counter();
+
+        let mut spans = [(u32::MAX, 0); KERNELS.len()];
+        let mut inputs = 0;
+        for sample in samples() {
+            inputs += 1;
+            measure(&sample, &mut spans);
+        }
+        for ((name, _), (min, max)) in KERNELS.iter().zip(spans) {
+            defmt::println!("bench {=str} {=u32} {=u32}", *name, min, max);
+        }
+        defmt::println!("inputs {=u32}", inputs);
+        defmt::println!(
+            "size compensator {=usize}",
+            size_of::<tempco::Compensator<'static, AXES>>()
+        );
+        defmt::println!(
+            "size two_rate_compensator {=usize}",
+            size_of::<tempco::TwoRateCompensator<'static, AXES>>()
+        );
+        defmt::println!(
+            "size thermal_state {=usize}",
+            size_of::<tempco::ThermalState>()
+        );
+        defmt::println!("size table {=usize}", size_of::<Table<'static, AXES>>());
+        defmt::println!(
+            "size cells {=usize}",
+            TABLES.iter().map(|table| size_of_val(table.cells())).sum()
+        );
+        exit(spans.iter().all(|(min, max)| *min > 0 && min <= max))
+    }
+
+    /// What is measured: every temperature with a steady gyro, then every special value as
+    /// temperature, as gyro sample and as interval.
+    fn samples() -> impl Iterator<Item = (f32, f32, f32)> {
+        let sweep = (0..=840_u16).map(|quarter| (-60.0 + 0.25 * f32::from(quarter), 0.5, 1.0));
+        let special = SPECIAL.into_iter().flat_map(|value| {
+            [
+                (value, 0.5, 1.0),
+                (25.0, value, 1.0),
+                (25.0, 0.5, value),
+                (value, value, value),
+            ]
+        });
+        sweep.chain(special)
+    }
+
+    /// Measures every kernel at one input, from three states: just switched on, after a minute at
+    /// a steady temperature (where the input may be a spike), and with the input as the second of
+    /// its kind.
+    fn measure(&(temp_c, raw, dt_s): &(f32, f32, f32), spans: &mut [(u32, u32)]) {
+        let table = &TABLES[0];
+        let second = Interval::new(table.thermal(), 1.0);
+        let inputs = Inputs {
+            interval: Interval::new(table.thermal(), dt_s),
+            dt_s,
+            temp_c,
+            raw: [raw; AXES],
+        };
+        let fresh = Units::new(table, 100);
+        let mut steady = fresh.clone();
+        steady.start(25.0);
+        for _ in 0..60 {
+            steady.single.step(&second, 25.0, inputs.raw);
+            steady.two_rate.update(&second, 25.0);
+        }
+        let mut again = fresh.clone();
+        again.start(temp_c);
+        again.single.step(&inputs.interval, temp_c, inputs.raw);
+        again.two_rate.update(&inputs.interval, temp_c);
+
+        for state in [&fresh, &steady, &again] {
+            let overhead = counts(kernels::empty, state, &inputs);
+            for ((_, kernel), (min, max)) in KERNELS.iter().zip(spans.iter_mut()) {
+                let instructions = per_call(counts(*kernel, state, &inputs) - overhead);
+                *min = instructions.min(*min);
+                *max = instructions.max(*max);
+            }
+        }
+    }
+
+    /// Instructions per call from SysTick counts; the empty function has one, its return.
+    fn per_call(counts: u32) -> u32 {
+        const NANOSECONDS: u64 = 1_000_000_000;
+        let divisor = u64::from(BOARD.systick_hz) * u64::from(CALLS);
+        ((u64::from(counts) * NANOSECONDS + divisor / 2) / divisor) as u32 + 1
+    }
+
+    /// SysTick counts of all calls of `kernel`, each from the same state.
+    #[inline(never)]
+    fn counts(
+        kernel: Kernel<'static, AXES>,
+        state: &Units<'static, AXES>,
+        inputs: &Inputs<AXES>,
+    ) -> u32 {
+        let kernel = black_box(kernel);
+        let mut output = Output {
+            compensated: [0.0; AXES],
+            bias: [0.0; AXES],
+            point: ThermalPoint::default(),
+            status: tempco::Status::OK,
+        };
+        let mut units = state.clone();
+        let start = SYST::get_current();
+        for _ in 0..CALLS {
+            units.clone_from(black_box(state));
+            kernel(
+                black_box(&mut units),
+                black_box(inputs),
+                black_box(&mut output),
+            );
+        }
+        // SysTick counts down.
+        start.wrapping_sub(SYST::get_current()) & 0x00ff_ffff
+    }
+}

@@ -1,0 +1,23 @@
+//! What differs between boards.
+//!
+//! Adding a board: a module here, a memory file in `firmware/boards`, and a feature, all of one
+//! name. A board whose clocks or pins must be set up does that in a function of its module.
+
+pub mod mps2_an386;
+pub mod stm32f405;
+
+/// A board as the images see it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Board {
+    /// Name, as in the feature and the memory file.
+    pub name: &'static str,
+    /// Rate at which SysTick counts on its processor clock source \[Hz\].
+    pub systick_hz: u32,
+}
+
+/// The board this image is for.
+pub const BOARD: Board = if cfg!(feature = "board-stm32f405") {
+    stm32f405::BOARD
+} else {
+    mps2_an386::BOARD
+};

@@ -1,0 +1,12 @@
+//! Arm MPS2 with the AN386 FPGA image: a Cortex-M4F at 25 MHz. The reference board.
+//!
+//! In QEMU (`mps2-an386`) one SysTick count is 40 ns, and with `-icount shift=0` an instruction
+//! takes 1 ns: 40 calls of a function take one count per instruction of the function.
+
+use super::Board;
+
+/// The board.
+pub const BOARD: Board = Board {
+    name: "mps2-an386",
+    systick_hz: 25_000_000,
+};

@@ -1,0 +1,76 @@
+//! The boards the firmware is built for and QEMU can emulate.
+
+use std::fmt;
+use std::str::FromStr;
+
+use crate::Error;
+
+/// A board of the firmware that QEMU has a machine for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Board {
+    /// Arm MPS2 with the AN386 image: the reference board.
+    Mps2An386,
+    /// STM32F405, as on the Netduino Plus 2.
+    Stm32F405,
+}
+
+impl Board {
+    /// Every board, the reference board first.
+    pub const ALL: [Self; 2] = [Self::Mps2An386, Self::Stm32F405];
+
+    /// Name, as in the firmware's memory file.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Mps2An386 => "mps2-an386",
+            Self::Stm32F405 => "stm32f405",
+        }
+    }
+
+    /// The firmware's cargo feature.
+    pub fn feature(self) -> String {
+        format!("board-{}", self.name())
+    }
+
+    /// QEMU's machine.
+    pub const fn machine(self) -> &'static str {
+        match self {
+            Self::Mps2An386 => "mps2-an386",
+            Self::Stm32F405 => "netduinoplus2",
+        }
+    }
+}
+
+impl fmt::Display for Board {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl FromStr for Board {
+    type Err = Error;
+
+    fn from_str(name: &str) -> Result<Self, Error> {
+        Self::ALL
+            .into_iter()
+            .find(|board| board.name() == name)
+            .ok_or_else(|| Error::UnknownBoard(name.to_owned()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn boards_are_found_by_their_names() {
+        for board in Board::ALL {
+            assert_eq!(board.to_string().parse::<Board>().unwrap(), board);
+        }
+        let error = "mps2".parse::<Board>().unwrap_err().to_string();
+        assert_eq!(
+            error,
+            "there is no board `mps2`; the boards are mps2-an386, stm32f405"
+        );
+    }
+}

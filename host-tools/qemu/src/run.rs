@@ -1,0 +1,142 @@
+//! Runs an image in QEMU.
+
+use std::io::Read;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
+use std::{fs, io};
+
+use crate::{Board, Error, log};
+
+/// How an image is run.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Options {
+    /// Let virtual time pass by 1 ns per instruction, which makes instructions countable.
+    pub icount: bool,
+    /// How long the image may take by the host's clock.
+    pub time_limit: Duration,
+    /// The folder in which the image's relative paths are.
+    pub folder: Option<PathBuf>,
+}
+
+impl Default for Options {
+    /// Time as it comes, one minute of it, in the current folder.
+    fn default() -> Self {
+        Self {
+            icount: false,
+            time_limit: Duration::from_secs(60),
+            folder: None,
+        }
+    }
+}
+
+/// An image that ran to its end.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Run {
+    /// What the image ended with; 0 says that all went well.
+    pub exit_code: i32,
+    /// What the image logged, a message each.
+    pub log: Vec<String>,
+}
+
+impl Run {
+    /// Whether the image says that all went well.
+    pub const fn succeeded(&self) -> bool {
+        self.exit_code == 0
+    }
+}
+
+/// Runs an image on a board's machine until it exits through semihosting.
+///
+/// The image sees `args` as its command line, behind a program name, and the files of the host.
+///
+/// # Errors
+/// It does not end within its time, QEMU refuses it or is killed, or it has no defmt strings. An
+/// exit code other than 0 is not an error of this function.
+pub fn run(elf: &Path, board: Board, args: &[&str], options: &Options) -> Result<Run, Error> {
+    let elf = elf.canonicalize().map_err(Error::file(elf))?;
+    let table = log::table(&elf, &fs::read(&elf).map_err(Error::file(&elf))?)?;
+
+    let mut command = qemu(&elf, board, args, options);
+    let mut child = command.spawn().map_err(|source| Error::Start {
+        program: "qemu-system-arm".to_owned(),
+        source,
+    })?;
+    let stdout = collect(child.stdout.take());
+    let stderr = collect(child.stderr.take());
+    let status = wait(&mut child, options.time_limit).map_err(Error::file(&elf))?;
+    let log = log::lines(&table, &stdout.join().unwrap_or_default());
+    let stderr = String::from_utf8_lossy(&stderr.join().unwrap_or_default()).into_owned();
+
+    let Some(status) = status else {
+        return Err(Error::TimeLimit {
+            limit: options.time_limit,
+            log,
+        });
+    };
+    match status.code() {
+        None => Err(Error::Killed {
+            status,
+            stderr,
+            log,
+        }),
+        // The images say something whatever happens, so this was not the image.
+        Some(code) if code != 0 && log.is_empty() => Err(Error::Emulator { status, stderr }),
+        Some(exit_code) => Ok(Run { exit_code, log }),
+    }
+}
+
+fn qemu(elf: &Path, board: Board, args: &[&str], options: &Options) -> Command {
+    let mut semihosting = "enable=on,target=native,arg=tempco".to_owned();
+    for arg in args {
+        semihosting.push_str(",arg=");
+        // A comma ends a value unless it is doubled.
+        semihosting.push_str(&arg.replace(',', ",,"));
+    }
+    let mut command = Command::new("qemu-system-arm");
+    command
+        .args(["-machine", board.machine(), "-nographic"])
+        .args(["-monitor", "none", "-serial", "none"])
+        .args(["-semihosting-config", &semihosting, "-kernel"])
+        .arg(elf)
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped());
+    if options.icount {
+        command.args(["-icount", "shift=0"]);
+    }
+    if let Some(folder) = &options.folder {
+        command.current_dir(folder);
+    }
+    command
+}
+
+/// Reads a pipe to its end, so that the child never waits for room in it.
+fn collect(pipe: Option<impl Read + Send + 'static>) -> JoinHandle<Vec<u8>> {
+    thread::spawn(move || {
+        let mut bytes = Vec::new();
+        if let Some(mut pipe) = pipe {
+            // What was read before an error is kept; the exit status tells the rest.
+            _ = pipe.read_to_end(&mut bytes);
+        }
+        bytes
+    })
+}
+
+/// Waits for the end of the child; `None` if it had to be killed.
+fn wait(child: &mut Child, limit: Duration) -> io::Result<Option<ExitStatus>> {
+    let start = Instant::now();
+    loop {
+        if let Some(status) = child.try_wait()? {
+            return Ok(Some(status));
+        }
+        if start.elapsed() > limit {
+            child.kill()?;
+            child.wait()?;
+            return Ok(None);
+        }
+        thread::sleep(Duration::from_millis(5));
+    }
+}
