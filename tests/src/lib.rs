@@ -1,2 +1,141 @@
+//! What the tests share: the `tempco` command as a user runs it, and the real logs beside the
+//! project.
 #![forbid(unsafe_code)]
-//! x
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::sync::OnceLock;
+
+use tempco_qemu::Workspace;
+
+/// Columns of the printed coefficients that the paper's table 2 has.
+pub const PAPER_SEGMENTS: &str = "-15:15,5:35,25:60,50:80";
+
+/// The root of the workspace.
+///
+/// # Panics
+/// If the sources are gone.
+pub fn root() -> PathBuf {
+    let workspace = Workspace::find().expect("the sources");
+    workspace.root().to_owned()
+}
+
+/// Path of the `tempco` command, built once.
+///
+/// # Panics
+/// If it does not build.
+pub fn tempco_path() -> &'static Path {
+    static PATH: OnceLock<PathBuf> = OnceLock::new();
+    PATH.get_or_init(|| {
+        let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+        let built = Command::new(cargo)
+            .current_dir(root())
+            .args(["build", "--quiet", "--locked", "--package", "tempco-cli"])
+            .status()
+            .expect("cargo");
+        assert!(built.success(), "the `tempco` command does not build");
+        // target/PROFILE/deps/this-test -> target/PROFILE/tempco
+        let test = std::env::current_exe().expect("the path of this test");
+        let profile = test.ancestors().nth(2).expect("target folder").to_owned();
+        profile.join("tempco")
+    })
+}
+
+/// A folder in which `tempco` is run; removed at the end.
+pub struct Bench {
+    folder: tempfile::TempDir,
+}
+
+/// What a run of `tempco` printed and how it ended.
+pub struct Ran {
+    /// Exit code.
+    pub code: i32,
+    /// Standard output.
+    pub out: String,
+    /// Standard error.
+    pub err: String,
+}
+
+impl Default for Bench {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Bench {
+    /// An empty folder.
+    ///
+    /// # Panics
+    /// If it cannot be made.
+    pub fn new() -> Self {
+        Self {
+            folder: tempfile::tempdir().expect("a folder for the test"),
+        }
+    }
+
+    /// A path in the folder.
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    /// Writes a file.
+    ///
+    /// # Panics
+    /// If it cannot be written.
+    pub fn write(&self, name: &str, contents: &str) {
+        std::fs::write(self.path(name), contents).expect("a file for the test");
+    }
+
+    /// Runs `tempco` in the folder with arguments separated by blanks.
+    ///
+    /// # Panics
+    /// If it cannot be started or is killed.
+    pub fn run(&self, args: &str) -> Ran {
+        let output: Output = Command::new(tempco_path())
+            .current_dir(self.folder.path())
+            .args(args.split_whitespace())
+            .output()
+            .expect("the `tempco` command");
+        Ran {
+            code: output.status.code().expect("an exit code"),
+            out: String::from_utf8_lossy(&output.stdout).into_owned(),
+            err: String::from_utf8_lossy(&output.stderr).into_owned(),
+        }
+    }
+
+    /// Runs `tempco` and expects exit code 0; returns the output.
+    ///
+    /// # Panics
+    /// If it ends otherwise.
+    pub fn ok(&self, args: &str) -> String {
+        let ran = self.run(args);
+        assert_eq!(ran.code, 0, "tempco {args}\n{}{}", ran.out, ran.err);
+        ran.out
+    }
+
+    /// Names in the folder, sorted.
+    ///
+    /// # Panics
+    /// If it cannot be read.
+    pub fn files(&self) -> Vec<String> {
+        let entries = std::fs::read_dir(self.folder.path()).expect("the folder");
+        let mut names: Vec<String> = entries
+            .map(|entry| entry.expect("an entry").file_name())
+            .map(|name| name.to_string_lossy().into_owned())
+            .collect();
+        names.sort();
+        names
+    }
+}
+
+/// A file of the folder `shared` beside the project; `None`, with a printed reason, where it is
+/// absent.
+pub fn shared(name: &str) -> Option<PathBuf> {
+    let path = root().parent()?.join("shared").join(name);
+    if path.is_file() {
+        Some(path)
+    } else {
+        println!("skipped: {} is not there", path.display());
+        None
+    }
+}

@@ -1,2 +1,74 @@
-//! x
-fn main() {}
+//! The `tempco` command: fits, applies and judges bias compensation of gyro units.
+//!
+//! Exit codes: 0 done; 1 done, but judged not acceptable; 2 bad usage or bad input.
+
+mod apply;
+mod evaluate;
+mod fit;
+mod inspect;
+mod output;
+mod replay;
+mod shared_args;
+mod simulate;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+/// Temperature compensation of gyroscope bias: from chamber logs to a table that flies.
+#[derive(Parser)]
+#[command(
+    version,
+    after_help = "Exit codes: 0 done; 1 done, but judged not acceptable; 2 bad usage or bad input."
+)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    Fit(fit::Args),
+    Apply(apply::Args),
+    Evaluate(evaluate::Args),
+    Inspect(inspect::Args),
+    Simulate(simulate::Args),
+    Replay(replay::Args),
+}
+
+/// Whether what was done is acceptable; the exit code tells.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Verdict {
+    Acceptable,
+    NotAcceptable,
+}
+
+impl Verdict {
+    const fn of(acceptable: bool) -> Self {
+        if acceptable {
+            Self::Acceptable
+        } else {
+            Self::NotAcceptable
+        }
+    }
+}
+
+fn main() -> ExitCode {
+    let result = match Cli::parse().command {
+        Command::Fit(args) => fit::run(&args),
+        Command::Apply(args) => apply::run(&args),
+        Command::Evaluate(args) => evaluate::run(&args),
+        Command::Inspect(args) => inspect::run(&args),
+        Command::Simulate(args) => simulate::run(&args),
+        Command::Replay(args) => replay::run(&args),
+    };
+    match result {
+        Ok(Verdict::Acceptable) => ExitCode::SUCCESS,
+        Ok(Verdict::NotAcceptable) => ExitCode::from(1),
+        Err(error) if output::is_broken_pipe(&error) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::from(2)
+        }
+    }
+}

@@ -1,0 +1,103 @@
+//! `tempco apply`: a log with its bias taken out.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result};
+use tempco::Status;
+use tempco_fit::apply::{Applied, apply, inputs};
+use tempco_fit::log::Log;
+use tempco_fit::set::{CoefficientSet, write_files};
+
+use crate::Verdict;
+use crate::output::print;
+use crate::shared_args::LogArgs;
+
+/// Compensate a log with a coefficient set, by the code that flies
+///
+/// Columns: time_s, the temperatures, then NAME_raw_UNIT, NAME_bias_UNIT and NAME_compensated_UNIT
+/// of each axis, and status (`ok` or the flags joined by `+`).
+#[derive(clap::Args)]
+pub(crate) struct Args {
+    /// Coefficient set (coefficients.json)
+    #[arg(value_name = "SET")]
+    set: PathBuf,
+    /// Log to compensate (CSV)
+    #[arg(value_name = "LOG.csv")]
+    log: PathBuf,
+    /// Where to write the result
+    #[arg(long, value_name = "OUT.csv")]
+    out: PathBuf,
+    #[command(flatten)]
+    reading: LogArgs,
+}
+
+pub(crate) fn run(args: &Args) -> Result<Verdict> {
+    let set = CoefficientSet::read(&args.set)?;
+    let log = args
+        .reading
+        .read(&args.log, set.settings.scale_factor_arcsec)?;
+    let applied = apply(&set, &log)?;
+    write_csv(&args.out, &to_csv(&set, &log, &applied)?)?;
+    let remarked = applied.status.iter().filter(|s| **s != Status::OK).count();
+    print(format_args!(
+        "{} rows, {remarked} of them with remarks in their status; wrote {}",
+        log.rows(),
+        args.out.display()
+    ))?;
+    Ok(Verdict::Acceptable)
+}
+
+/// Writes a file in one move, so that no half-written one is ever seen.
+pub(crate) fn write_csv(path: &Path, contents: &[u8]) -> Result<()> {
+    let name = path
+        .file_name()
+        .and_then(|name| name.to_str())
+        .with_context(|| format!("{}: expected the name of a file", path.display()))?;
+    let folder = match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    write_files(folder, &[(name, contents)])?;
+    Ok(())
+}
+
+fn to_csv(set: &CoefficientSet, log: &Log, applied: &Applied) -> Result<Vec<u8>> {
+    let mut out = Vec::with_capacity(100 * log.rows());
+    let inputs = inputs(set, log)?;
+    write!(out, "time_s")?;
+    for input in &inputs {
+        write!(out, ",{}", input.channel.temperature)?;
+    }
+    for (_, axis) in set.axes() {
+        for what in ["raw", "bias", "compensated"] {
+            write!(out, ",{}_{what}_{}", axis.name, axis.unit.name())?;
+        }
+    }
+    writeln!(out, ",status")?;
+    for row in 0..log.rows() {
+        write!(out, "{}", log.time_s[row])?;
+        for input in &inputs {
+            write!(out, ",{}", input.temp_c[row])?;
+        }
+        for axis in &applied.axes {
+            let (raw, bias) = (axis.raw[row], axis.bias[row]);
+            write!(out, ",{raw},{bias},{}", axis.compensated[row])?;
+        }
+        writeln!(out, ",{}", status_text(applied.status[row]))?;
+    }
+    Ok(out)
+}
+
+fn status_text(status: Status) -> String {
+    let names = Status::NAMES
+        .iter()
+        .filter(|(flag, _)| status.contains(*flag))
+        .map(|(_, name)| *name);
+    let text = names.collect::<Vec<_>>().join("+");
+    if text.is_empty() {
+        "ok".to_owned()
+    } else {
+        text
+    }
+}

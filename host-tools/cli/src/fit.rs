@@ -1,0 +1,181 @@
+//! `tempco fit`: logs in, coefficient set out.
+
+use std::path::PathBuf;
+
+use anyhow::{Context, Result};
+use clap::ValueEnum;
+use tempco::ThermalSettings;
+use tempco_fit::fit::{Fit, FitOptions, fit};
+use tempco_fit::segment::{Overlap, Segmentation};
+use tempco_fit::set::{CoefficientSet, Model, table_rs, write_files};
+
+use crate::Verdict;
+use crate::output::{figure, percent, print, table};
+use crate::shared_args::LogArgs;
+
+/// Fit a coefficient set to one or more chamber logs of a unit
+///
+/// Writes DIR/coefficients.json and DIR/table.rs, both or neither.
+#[derive(clap::Args)]
+pub(crate) struct Args {
+    /// Chamber logs of the unit (CSV)
+    #[arg(required = true, value_name = "LOG.csv")]
+    logs: Vec<PathBuf>,
+    /// Serial number of the unit
+    #[arg(long)]
+    serial: String,
+    /// Folder for the set; made if need be
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// static: a0 + a1 T + a2 T^2; composite: + a3 T' + a4 T T'
+    #[arg(long, value_enum, default_value = "composite")]
+    model: ModelArg,
+    /// What is applied where segments overlap
+    #[arg(long, value_enum, default_value = "linear")]
+    overlap: OverlapArg,
+    /// Segments in degC, such as "-15:15,5:35,25:60,50:80"; without, the measured range is divided
+    #[arg(long, value_name = "MIN:MAX,...", allow_hyphen_values = true)]
+    segments: Option<Segmentation>,
+    /// Time constant of the rate estimator [s]
+    #[arg(long, value_name = "S", default_value_t = ThermalSettings::DEFAULT.tau_s)]
+    rate_tau: f32,
+    /// Shift of the effective temperature u = T - kappa (T - L); 0 is the paper
+    #[arg(long, default_value_t = ThermalSettings::DEFAULT.kappa)]
+    kappa: f32,
+    /// Fastest believable change of temperature [degC/min]
+    #[arg(long, value_name = "RATE", default_value_t = ThermalSettings::DEFAULT.max_slew_c_per_min)]
+    max_slew: f32,
+    /// Averaging time of the printed figures [s]
+    #[arg(long, value_name = "S", default_value_t = 100.0)]
+    tau: f64,
+    #[command(flatten)]
+    reading: LogArgs,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum ModelArg {
+    Static,
+    Composite,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum OverlapArg {
+    None,
+    Hard,
+    Mean,
+    Linear,
+    Smooth,
+}
+
+pub(crate) fn run(args: &Args) -> Result<Verdict> {
+    let logs = args
+        .logs
+        .iter()
+        .map(|path| args.reading.read(path, None))
+        .collect::<Result<Vec<_>>>()?;
+    let options = FitOptions {
+        serial: args.serial.clone(),
+        model: match args.model {
+            ModelArg::Static => Model::Static,
+            ModelArg::Composite => Model::Composite,
+        },
+        overlap: match args.overlap {
+            OverlapArg::None => Overlap::None,
+            OverlapArg::Hard => Overlap::Hard,
+            OverlapArg::Mean => Overlap::Mean,
+            OverlapArg::Linear => Overlap::Linear,
+            OverlapArg::Smooth => Overlap::Smooth,
+        },
+        segments: args.segments.clone(),
+        thermal: ThermalSettings {
+            tau_s: args.rate_tau,
+            kappa: args.kappa,
+            max_slew_c_per_min: args.max_slew,
+            ..ThermalSettings::DEFAULT
+        },
+        scale_factor_arcsec: args.reading.scale_factor,
+        tau_s: args.tau,
+    };
+    let Fit { set, remarks } = fit(&logs, &options)?;
+
+    let json = serde_json::to_string_pretty(&set)? + "\n";
+    let rust = table_rs(&set);
+    let files = [
+        ("coefficients.json", json.as_bytes()),
+        ("table.rs", rust.as_bytes()),
+    ];
+    write_files(&args.out, &files).context("nothing was written")?;
+
+    summarise(&set, args)?;
+    for remark in &remarks {
+        print(format_args!("remark: {remark}"))?;
+    }
+    let alarm = set
+        .channels
+        .iter()
+        .any(|channel| (0..channel.axes.len()).any(|axis| channel.mismatch_alarm(axis)));
+    Ok(Verdict::of(!alarm))
+}
+
+fn summarise(set: &CoefficientSet, args: &Args) -> Result<()> {
+    for channel in &set.channels {
+        let data = &channel.table;
+        print(format_args!(
+            "{} of unit {}: {} segments, {} cells, {} to {} degC, {} to {} degC/min",
+            channel.temperature,
+            set.serial,
+            channel.segments.len(),
+            data.cells.len(),
+            figure(data.t_min_c.into()),
+            figure(data.t_max_c.into()),
+            figure(data.thermal.rate_min_c_per_min.into()),
+            figure(data.thermal.rate_max_c_per_min.into()),
+        ))?;
+    }
+    let rows = set.axes().filter_map(|(_, axis)| {
+        let s = axis.statistics?;
+        let sigma = |value| {
+            if s.n > 1 {
+                figure(value)
+            } else {
+                "-".to_owned()
+            }
+        };
+        Some(vec![
+            axis.name.clone(),
+            axis.unit.to_string(),
+            figure(s.rmse_raw),
+            figure(s.rmse_cubic),
+            figure(s.rmse_compensated),
+            s.n.to_string(),
+            sigma(s.sigma_raw),
+            sigma(s.sigma_cubic),
+            sigma(s.sigma_compensated),
+            if s.n > 1 {
+                percent(1.0 - s.sigma_compensated / s.sigma_raw)
+            } else {
+                "-".to_owned()
+            },
+        ])
+    });
+    let header = [
+        "axis",
+        "unit",
+        "RMSE raw",
+        "cubic",
+        "comp.",
+        "n",
+        "sigma raw",
+        "cubic",
+        "comp.",
+        "improvement",
+    ];
+    print(table(&header, rows))?;
+    print(format_args!(
+        "on the fitted logs: RMSE of single rows, sigma of {} s means; cubic: one cubic in T on the \
+         same rows\nwrote {} and {}",
+        args.tau,
+        args.out.join("coefficients.json").display(),
+        args.out.join("table.rs").display()
+    ))
+}

@@ -1,0 +1,132 @@
+//! `tempco inspect`: what is in a coefficient set.
+
+use std::path::PathBuf;
+
+use anyhow::Result;
+use tempco_fit::set::{ChannelSet, CoefficientSet, MISMATCH_ALARM};
+
+use crate::Verdict;
+use crate::output::{figure, print, table};
+
+/// Show a coefficient set: segments, ranges, mismatches, jumps, CRC, provenance
+///
+/// Also reads printed static coefficients from CSV (gyro, segment, temp_min_c, temp_max_c,
+/// a0_pulses, ...). Exits with 1 where neighbouring segments disagree by more than half of the
+/// axis's bias range.
+#[derive(clap::Args)]
+pub(crate) struct Args {
+    /// Coefficient set (coefficients.json, or printed coefficients as .csv)
+    #[arg(value_name = "SET")]
+    set: PathBuf,
+}
+
+pub(crate) fn run(args: &Args) -> Result<Verdict> {
+    let set = CoefficientSet::read(&args.set)?;
+    print(format_args!(
+        "unit {}, {} model, {} overlap, table CRC-32P4 {}",
+        set.serial,
+        set.settings.model.name(),
+        set.settings.overlap.name(),
+        set.table_crc32
+    ))?;
+    print(format_args!(
+        "made by {} at {}",
+        set.provenance.tool, set.provenance.created
+    ))?;
+    for input in &set.provenance.inputs {
+        print(format_args!(
+            "  from {} ({} rows, {:.0} s), SHA-256 {}",
+            input.file, input.rows, input.duration_s, input.sha256
+        ))?;
+    }
+    let mut alarms = Vec::new();
+    for channel in &set.channels {
+        show_channel(channel)?;
+        for (number, axis) in channel.axes.iter().enumerate() {
+            if channel.mismatch_alarm(number) {
+                alarms.push(axis.name.as_str());
+            }
+        }
+    }
+    if !alarms.is_empty() {
+        eprintln!(
+            "alarm: neighbouring segments disagree by more than {:.0} % of the bias range on {}",
+            100.0 * MISMATCH_ALARM,
+            alarms.join(", ")
+        );
+    }
+    Ok(Verdict::of(alarms.is_empty()))
+}
+
+fn show_channel(channel: &ChannelSet) -> Result<()> {
+    let data = &channel.table;
+    let thermal = &data.thermal;
+    print(format_args!(
+        "\n{}: calibrated {} to {} degC and {} to {} degC/min; rate estimator tau {} s, kappa {}; \
+         {} cells of {} degC, {} bytes; {:.3} % from the segments at most",
+        channel.temperature,
+        data.t_min_c,
+        data.t_max_c,
+        figure(thermal.rate_min_c_per_min.into()),
+        figure(thermal.rate_max_c_per_min.into()),
+        thermal.tau_s,
+        thermal.kappa,
+        data.cells.len(),
+        figure(f64::from(data.last_edge_c - data.first_edge_c) / data.cells.len() as f64),
+        20 * channel.axes.len() * data.cells.len(),
+        100.0 * channel.table_deviation,
+    ))?;
+    print("\nCoefficients of 1, T, T^2, T', T T' with T in degC and T' in degC/min")?;
+    let mut rows = Vec::new();
+    for axis in &channel.axes {
+        for (segment, polynomial) in channel.segments.iter().zip(&axis.polynomials) {
+            let mut row = vec![
+                format!("{} [{}]", axis.name, axis.unit),
+                format!("{:.2}..{:.2}", segment.t_min_c, segment.t_max_c),
+                segment.rows.to_string(),
+                figure(segment.condition),
+            ];
+            row.extend(polynomial.raw().map(|value| format!("{value:.4e}")));
+            rows.push(row);
+        }
+    }
+    let header = [
+        "axis",
+        "segment",
+        "rows",
+        "condition",
+        "a0",
+        "a1",
+        "a2",
+        "a3",
+        "a4",
+    ];
+    print(table(&header, rows))?;
+
+    let mut rows = Vec::new();
+    for (number, axis) in channel.axes.iter().enumerate() {
+        for mismatch in channel.mismatches(number) {
+            rows.push(vec![
+                format!("{} [{}]", axis.name, axis.unit),
+                format!("{:.2}..{:.2}", mismatch.t_min_c, mismatch.t_max_c),
+                format!("{:.4}", mismatch.overlap_mismatch),
+                format!("{:+.4}", mismatch.switch_jump),
+                figure(mismatch.overlap_mismatch / data.static_range(number)),
+                figure(data.max_jump(number).into()),
+            ]);
+        }
+    }
+    if !rows.is_empty() {
+        print("\nDisagreement of neighbouring segments, and the largest jump the table makes")?;
+        let header = [
+            "axis",
+            "overlap",
+            "mismatch",
+            "in the middle",
+            "share of bias range",
+            "jump in table",
+        ];
+        print(table(&header, rows))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,87 @@
+//! Arguments that several commands share: how to read a log.
+
+use std::path::Path;
+
+use anyhow::{Result, ensure};
+use tempco_fit::log::{AxisColumn, Log, Mapping, ReadOptions, TempColumn, read_log};
+use tempco_fit::unit::COLUMN_UNITS;
+
+/// How to read a log whose columns are not named `time_s`, `temp_c` and `NAME_UNIT`.
+#[derive(clap::Args)]
+#[command(next_help_heading = "Reading logs")]
+pub(crate) struct LogArgs {
+    /// Time column [s], instead of `time_s`
+    #[arg(long, value_name = "COL")]
+    time: Option<String>,
+    /// Temperature column [degC], instead of `temp_c`; AXIS=COL for one per axis (repeat)
+    #[arg(long, value_name = "[AXIS=]COL", value_parser = temp_column)]
+    temp: Vec<TempColumn>,
+    /// Axis column with its unit; only the axes named so are read (repeat)
+    #[arg(long, value_name = "NAME=COL:UNIT", value_parser = axis_column)]
+    axis: Vec<AxisColumn>,
+    /// Angle per pulse [arcsec]: turns pulse counts into deg/h
+    #[arg(long, value_name = "ARCSEC")]
+    pub(crate) scale_factor: Option<f64>,
+    /// Leave out rows with bad cells and count them, instead of refusing the log
+    #[arg(long)]
+    skip_bad_rows: bool,
+}
+
+impl LogArgs {
+    /// Reads a log; without a scale factor of its own, with that of the set.
+    pub(crate) fn read(&self, path: &Path, set_scale_factor: Option<f64>) -> Result<Log> {
+        if let Some(scale_factor) = self.scale_factor {
+            ensure!(
+                scale_factor.is_finite() && scale_factor > 0.0,
+                "--scale-factor {scale_factor}: expected arcsec per pulse, above 0"
+            );
+        }
+        let log = read_log(
+            path,
+            &ReadOptions {
+                mapping: Mapping {
+                    time: self.time.clone(),
+                    temps: self.temp.clone(),
+                    axes: self.axis.clone(),
+                },
+                scale_factor_arcsec: self.scale_factor.or(set_scale_factor),
+                skip_bad_rows: self.skip_bad_rows,
+            },
+        )?;
+        if !log.ignored_columns.is_empty() {
+            eprintln!(
+                "{}: columns not used: {}",
+                log.file,
+                log.ignored_columns.join(", ")
+            );
+        }
+        if log.skipped_rows > 0 {
+            eprintln!("{}: {} bad rows left out", log.file, log.skipped_rows);
+        }
+        Ok(log)
+    }
+}
+
+fn temp_column(text: &str) -> Result<TempColumn, String> {
+    let (axis, column) = match text.split_once('=') {
+        Some((axis, column)) => (Some(axis.to_owned()), column),
+        None => (None, text),
+    };
+    Ok(TempColumn {
+        axis,
+        column: column.to_owned(),
+    })
+}
+
+fn axis_column(text: &str) -> Result<AxisColumn, String> {
+    let expected = || format!("expected NAME=COL:UNIT with UNIT one of {COLUMN_UNITS}");
+    let (name, rest) = text.split_once('=').ok_or_else(expected)?;
+    let (column, unit) = rest.rsplit_once(':').ok_or_else(expected)?;
+    Ok(AxisColumn {
+        name: name.to_owned(),
+        column: column.to_owned(),
+        unit: unit
+            .parse()
+            .map_err(|()| format!("unknown unit `{unit}`; {}", expected()))?,
+    })
+}

@@ -1,0 +1,141 @@
+//! The performance figures: exact on the target, indicative on the host.
+
+use std::process::Command;
+use std::time::Instant;
+
+use anyhow::{Context, Result, ensure};
+use clap::ValueEnum;
+use serde_json::{Map, Value, json};
+use tempco_qemu::{Board, Options, Workspace, build, ensure_qemu, ensure_target, run as run_image};
+
+use crate::run::build_tempco;
+
+#[derive(clap::Args)]
+pub(crate) struct Args {
+    /// Print one JSON object as the last line
+    #[arg(long)]
+    json: bool,
+    /// What to measure; both, if not said
+    #[arg(value_enum)]
+    only: Option<Side>,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Side {
+    /// Executed instructions in QEMU
+    Target,
+    /// Rows per second on this machine
+    Host,
+}
+
+pub(crate) fn run(args: &Args) -> Result<()> {
+    let workspace = Workspace::find()?;
+    let mut result = Map::new();
+    if args.only != Some(Side::Host) {
+        result.insert("target".to_owned(), target(&workspace)?);
+    }
+    if args.only != Some(Side::Target) {
+        result.insert("host".to_owned(), host(&workspace)?);
+    }
+    if args.json {
+        println!("{}", Value::Object(result));
+    }
+    Ok(())
+}
+
+/// Instructions per call over a sweep of temperatures and special values, counted by QEMU.
+fn target(workspace: &Workspace) -> Result<Value> {
+    ensure_target(workspace)?;
+    ensure_qemu(workspace)?;
+    let board = Board::Mps2An386;
+    let image = build(workspace, board, "bench", None)?;
+    let options = Options {
+        icount: true,
+        ..Options::default()
+    };
+    let run = run_image(&image, board, &[], &options)?;
+    ensure!(run.succeeded(), "the bench image failed: {:?}", run.log);
+
+    let mut figures = Map::new();
+    let mut baselines = Map::new();
+    let mut sizes = Map::new();
+    println!("{board}, per call for three axes     instructions, least and most");
+    for line in &run.log {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        match words[..] {
+            ["bench", name, least, most] => {
+                println!("  {name:24} {least:>8} {most:>8}");
+                let (least, most): (u32, u32) = (least.parse()?, most.parse()?);
+                let figure = json!({ "instructions": [least, most] });
+                match name.strip_suffix("_baseline") {
+                    Some(name) => baselines.insert(name.to_owned(), figure),
+                    None => figures.insert(name.to_owned(), figure),
+                };
+            }
+            ["size", name, bytes] => {
+                println!("  {name:24} {bytes:>8} bytes");
+                sizes.insert(name.to_owned(), json!(bytes.parse::<u32>()?));
+            }
+            _ => {}
+        }
+    }
+    ensure!(
+        figures.contains_key("step"),
+        "the bench image measured nothing"
+    );
+    figures.insert("baselines".to_owned(), Value::Object(baselines));
+    figures.insert("sizes".to_owned(), Value::Object(sizes));
+    Ok(Value::Object(figures))
+}
+
+/// Rows per second of the `tempco` command, process start included; the machine's load shows in
+/// it, so compare figures of one run only.
+fn host(workspace: &Workspace) -> Result<Value> {
+    let program = build_tempco(workspace, &["--release"])?;
+    let folder = workspace.root().join("target/bench");
+    std::fs::create_dir_all(&folder)?;
+    let log = folder.join("calibration.csv");
+    let log = log.to_str().context("the path of the workspace")?;
+    let set = folder.join("set");
+    let set = set.to_str().context("the path of the workspace")?;
+    let seconds = |args: &[&str]| -> Result<f64> {
+        let mut fastest = f64::INFINITY;
+        for _ in 0..5 {
+            let start = Instant::now();
+            let output = Command::new(&program).args(args).output()?;
+            fastest = fastest.min(start.elapsed().as_secs_f64());
+            ensure!(
+                output.status.success(),
+                "`tempco {}` failed",
+                args.join(" ")
+            );
+        }
+        Ok(fastest)
+    };
+    let simulate = seconds(&[
+        "simulate",
+        "--unit",
+        "paper",
+        "--profile",
+        "calibration",
+        "--rate",
+        "20",
+        "--out",
+        log,
+    ])?;
+    let fit = seconds(&["fit", log, "--serial", "BENCH", "--out", set])?;
+    let rows = std::fs::read(log)?
+        .iter()
+        .filter(|&&byte| byte == b'\n')
+        .count()
+        - 1;
+    let per_s = |seconds: f64| (rows as f64 / seconds).round();
+    println!("this machine, best of 5, {rows} rows of three axes");
+    println!("  simulate {:>12} rows/s", per_s(simulate));
+    println!("  fit      {:>12} rows/s", per_s(fit));
+    Ok(json!({
+        "rows": rows,
+        "simulate_rows_per_s": per_s(simulate),
+        "fit_rows_per_s": per_s(fit),
+    }))
+}

@@ -1,0 +1,148 @@
+//! The main job, end to end: what a stranger runs first.
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+use std::time::Instant;
+
+use anyhow::{Context, Result, ensure};
+use serde_json::Value;
+use tempco_qemu::{Workspace, ensure_qemu, ensure_target};
+
+use crate::run::{build_tempco, run as step, run_and_read};
+
+/// The paper's segments \[degC\].
+const SEGMENTS: &str = "-15:15,5:35,25:60,50:80";
+/// Samples that host and target must agree on.
+const LEAST_SAMPLES: u64 = 100_000;
+
+fn run_in(workspace: &Workspace, folder: &Path) -> Result<()> {
+    let start = Instant::now();
+    ensure_target(workspace)?;
+    ensure_qemu(workspace)?;
+    let program = build_tempco(workspace, &[])?;
+    let tempco = |args: &[&str]| {
+        let mut command = Command::new(&program);
+        command.current_dir(workspace.root()).args(args);
+        command
+    };
+    let path = |name: &str| folder.join(name).display().to_string();
+    let (calibration, verification) = (path("calibration.csv"), path("verification.csv"));
+
+    println!("1. A simulated unit goes through a chamber twice: to be fitted, and to be judged.");
+    for (profile, seed, log) in [
+        ("calibration", "1", &calibration),
+        ("verification", "2", &verification),
+    ] {
+        step(
+            workspace,
+            &mut tempco(&[
+                "simulate",
+                "--unit",
+                "paper",
+                "--profile",
+                profile,
+                "--seed",
+                seed,
+                "--out",
+                log,
+            ]),
+        )?;
+    }
+
+    println!("\n2. Two models are fitted to the calibration log, with the paper's segments.");
+    for model in ["static", "composite"] {
+        step(
+            workspace,
+            &mut tempco(&[
+                "fit",
+                &calibration,
+                "--serial",
+                "DEMO-1",
+                "--model",
+                model,
+                "--segments",
+                SEGMENTS,
+                "--out",
+                &path(model),
+            ]),
+        )?;
+    }
+
+    println!("\n3. Both are judged on the verification log.");
+    let sets = ["static", "composite"].map(|model| path(&format!("{model}/coefficients.json")));
+    let [of_static, of_composite] = [&sets[0], &sets[1]].map(|set| -> Result<Value> {
+        let output = tempco(&["evaluate", set, &verification, "--json"]).output()?;
+        serde_json::from_slice(&output.stdout).context("the evaluation is not JSON")
+    });
+    compare_models(&of_static?, &of_composite?)?;
+
+    println!("\n4. The composite table is compiled into firmware, and the verification log is");
+    println!("   replayed through it on two emulated boards.");
+    for board in ["mps2-an386", "stm32f405"] {
+        let mut replay = tempco(&[
+            "replay",
+            &sets[1],
+            &verification,
+            "--target",
+            "qemu",
+            "--board",
+            board,
+        ]);
+        let (output, succeeded) = run_and_read(workspace, &mut replay)?;
+        ensure!(succeeded, "host and {board} differ");
+        ensure!(
+            samples_compared(&output) >= Some(LEAST_SAMPLES),
+            "fewer than {LEAST_SAMPLES} samples were compared on {board}"
+        );
+    }
+    println!("\ndone in {:.0} s", start.elapsed().as_secs_f64());
+    Ok(())
+}
+
+fn demo_folder(workspace: &Workspace) -> Result<std::path::PathBuf> {
+    let folder = workspace.root().join("target/demo");
+    if folder.exists() {
+        fs::remove_dir_all(&folder)?;
+    }
+    fs::create_dir_all(&folder)?;
+    Ok(folder)
+}
+
+pub(crate) fn run() -> Result<()> {
+    let workspace = Workspace::find()?;
+    run_in(&workspace, &demo_folder(&workspace)?)
+}
+
+/// Prints the table the paper closes with: sigma of the smoothed output without compensation,
+/// with the static model and with the composite model.
+fn compare_models(of_static: &Value, of_composite: &Value) -> Result<()> {
+    let axes = |evaluation: &Value| evaluation["axes"].as_array().cloned().unwrap_or_default();
+    println!(
+        "\nsigma of {} s means of the verification log [pulses/s]",
+        of_composite["tau_s"]
+    );
+    println!("| axis | n   | before | static | composite | improvement | over static |");
+    println!("|------|-----|--------|--------|-----------|-------------|-------------|");
+    for (with_static, with_composite) in axes(of_static).iter().zip(axes(of_composite)) {
+        let figure = |axis: &Value, name: &str| axis[name].as_f64().context("a figure is missing");
+        let raw = figure(&with_composite, "sigma_raw")?;
+        let sigma_static = figure(with_static, "sigma_compensated")?;
+        let sigma = figure(&with_composite, "sigma_compensated")?;
+        println!(
+            "| {:4} | {:3} | {raw:.4} | {sigma_static:.4} | {sigma:9.4} | {:9.1} % | {:9.1} % |",
+            with_composite["axis"].as_str().unwrap_or_default(),
+            with_composite["n"],
+            100.0 * (1.0 - sigma / raw),
+            100.0 * (1.0 - sigma / sigma_static),
+        );
+        ensure!(sigma < raw, "the composite model is no better than nothing");
+    }
+    Ok(())
+}
+
+/// N of the line `0 of N samples differ ...`.
+fn samples_compared(output: &str) -> Option<u64> {
+    let line = output.lines().find_map(|line| line.strip_prefix("0 of "))?;
+    line.split_once(" samples differ")?.0.parse().ok()
+}

@@ -1,0 +1,78 @@
+//! Every check, as continuous integration runs it.
+
+use anyhow::{Result, ensure};
+use tempco_qemu::{TARGET, Workspace, ensure_qemu, ensure_target};
+
+use crate::run::{cargo, run as step, run_and_read};
+
+pub(crate) fn run() -> Result<()> {
+    let workspace = Workspace::find()?;
+    ensure_target(&workspace)?;
+    ensure_qemu(&workspace)?;
+    let firmware = ["--package", "tempco-firmware", "--target", TARGET];
+    for job in [
+        vec!["fmt", "--check"],
+        vec![
+            "clippy",
+            "--workspace",
+            "--all-targets",
+            "--locked",
+            "--",
+            "-D",
+            "warnings",
+        ],
+        [
+            &["clippy", "--bins", "--locked"][..],
+            &firmware,
+            &["--", "-D", "warnings"],
+        ]
+        .concat(),
+    ] {
+        step(&workspace, &mut cargo(&workspace, &job))?;
+    }
+    let mut doc = cargo(&workspace, &["doc", "--workspace", "--no-deps", "--locked"]);
+    step(&workspace, doc.env("RUSTDOCFLAGS", "-D warnings"))?;
+
+    // `--no-fail-fast`: the count at the end is of all tests.
+    let mut test = cargo(
+        &workspace,
+        &["test", "--workspace", "--no-fail-fast", "--locked"],
+    );
+    let (output, succeeded) = run_and_read(&workspace, &mut test)?;
+    let (passed, failed) = count(&output);
+    println!("\n{passed} passed, {failed} failed");
+    ensure!(succeeded && failed == 0, "tests failed");
+    ensure!(passed > 0, "no test ran");
+    Ok(())
+}
+
+/// Sums the closing lines of all test programs.
+fn count(output: &str) -> (u32, u32) {
+    let number = |line: &str, what: &str| -> u32 {
+        let (before, _) = line.split_once(what).unwrap_or_default();
+        let word = before.split_whitespace().next_back().unwrap_or_default();
+        word.parse().unwrap_or_default()
+    };
+    output
+        .lines()
+        .filter(|line| line.starts_with("test result: "))
+        .fold((0, 0), |(passed, failed), line| {
+            (
+                passed + number(line, " passed;"),
+                failed + number(line, " failed;"),
+            )
+        })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::count;
+
+    #[test]
+    fn closing_lines_are_summed() {
+        let output = "running 3 tests\n\
+            test result: ok. 3 passed; 0 failed; 0 ignored; 0 measured\n\
+            test result: FAILED. 10 passed; 2 failed; 1 ignored\n";
+        assert_eq!(count(output), (13, 2));
+    }
+}

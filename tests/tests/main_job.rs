@@ -1,0 +1,166 @@
+//! The main job through the command line: simulate, fit, judge, replay.
+
+use serde_json::Value;
+use tempco_tests::{Bench, PAPER_SEGMENTS};
+
+fn evaluation(bench: &Bench, args: &str) -> Value {
+    serde_json::from_str(&bench.ok(&format!("evaluate {args} --json"))).unwrap()
+}
+
+fn sigma(evaluation: &Value, axis: usize, name: &str) -> f64 {
+    evaluation["axes"][axis][name].as_f64().unwrap()
+}
+
+#[test]
+fn composite_beats_static_and_static_beats_nothing_on_x() {
+    let bench = Bench::new();
+    bench.ok("simulate --unit paper --profile calibration --seed 11 --out cal.csv");
+    bench.ok("simulate --unit paper --profile verification --seed 12 --out ver.csv");
+    for model in ["static", "composite"] {
+        bench.ok(&format!(
+            "fit cal.csv --serial S1 --model {model} --segments {PAPER_SEGMENTS} --out {model}"
+        ));
+    }
+    let of_static = evaluation(&bench, "static/coefficients.json ver.csv");
+    let of_composite = evaluation(&bench, "composite/coefficients.json ver.csv");
+    for axis in 0..3 {
+        let raw = sigma(&of_composite, axis, "sigma_raw");
+        let with_static = sigma(&of_static, axis, "sigma_compensated");
+        let with_composite = sigma(&of_composite, axis, "sigma_compensated");
+        assert!(
+            with_composite < 0.7 * with_static,
+            "axis {axis}: {with_composite} {with_static}"
+        );
+        assert!(with_composite < 0.4 * raw, "axis {axis}");
+        let improvement = sigma(&of_composite, axis, "improvement");
+        assert!((improvement - (1.0 - with_composite / raw)).abs() < 1e-12);
+    }
+    assert!(sigma(&of_static, 0, "sigma_compensated") < sigma(&of_static, 0, "sigma_raw"));
+    assert_eq!(of_composite["tau_s"], 100.0);
+    assert_eq!(of_composite["axes"][0]["axis"], "x");
+    assert_eq!(of_composite["axes"][0]["unit"], "pulses_per_s");
+    for jump in of_composite["max_boundary_jump"].as_array().unwrap() {
+        assert!(
+            jump.as_f64().unwrap() < 1e-7,
+            "a blended table has no jumps"
+        );
+    }
+}
+
+#[test]
+fn a_worse_set_is_rejected_by_exit_code() {
+    let bench = Bench::new();
+    bench.ok("simulate --unit paper --profile short --seed 3 --out log.csv");
+    let log = std::fs::read_to_string(bench.path("log.csv")).unwrap();
+    // The x column with its sign changed: what the set takes out is then what it should put in.
+    let turned: Vec<String> = log
+        .lines()
+        .map(|line| {
+            let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
+            if let Ok(pulses) = cells[2].parse::<i64>() {
+                cells[2] = (-pulses).to_string();
+            }
+            cells.join(",")
+        })
+        .collect();
+    bench.write("turned.csv", &turned.join("\n"));
+    bench.ok("fit log.csv --serial S1 --out set --segments 6:45");
+    bench.ok("evaluate set/coefficients.json log.csv");
+    let ran = bench.run("evaluate set/coefficients.json turned.csv");
+    assert_eq!(ran.code, 1);
+    assert!(ran.err.contains("no better than none on x"), "{}", ran.err);
+}
+
+#[test]
+fn apply_writes_what_the_core_computes() {
+    let bench = Bench::new();
+    bench.ok("simulate --unit paper --profile short --seed 4 --out log.csv");
+    bench.ok("fit log.csv --serial S1 --out set --scale-factor 1.5 --segments 6:45");
+    bench.ok("apply set/coefficients.json log.csv --out out.csv");
+    let out = std::fs::read_to_string(bench.path("out.csv")).unwrap();
+    let mut lines = out.lines();
+    assert_eq!(
+        lines.next().unwrap(),
+        "time_s,temp_c,x_raw_dph,x_bias_dph,x_compensated_dph,y_raw_dph,y_bias_dph,\
+         y_compensated_dph,z_raw_dph,z_bias_dph,z_compensated_dph,status"
+    );
+    let mut rows = 0;
+    for line in lines {
+        let cells: Vec<&str> = line.split(',').collect();
+        let number = |cell: usize| cells[cell].parse::<f32>().unwrap();
+        assert_eq!(number(4), number(2) - number(3), "{line}");
+        let expected = if rows < 359 { "settling" } else { "ok" };
+        assert_eq!(cells[11], expected, "row {rows}: {line}");
+        rows += 1;
+    }
+    assert_eq!(rows, 10_801);
+}
+
+#[test]
+fn the_same_seed_gives_the_same_bytes_throughout() {
+    let bench = Bench::new();
+    for run in ["a", "b"] {
+        bench.ok(&format!(
+            "simulate --unit paper --profile short --seed 5 --out {run}.csv --truth {run}.truth.csv"
+        ));
+        bench.ok(&format!(
+            "fit {run}.csv --serial S1 --out {run} --segments 6:45"
+        ));
+    }
+    let read = |name: &str| std::fs::read(bench.path(name)).unwrap();
+    assert_eq!(read("a.csv"), read("b.csv"));
+    assert_eq!(read("a.truth.csv"), read("b.truth.csv"));
+    assert_eq!(read("a/table.rs"), read("b/table.rs"));
+}
+
+#[test]
+fn a_damaged_set_is_refused() {
+    let bench = Bench::new();
+    bench.ok("simulate --unit paper --profile short --seed 6 --out log.csv");
+    bench.ok("fit log.csv --serial S1 --out set --segments 6:45");
+    let json = std::fs::read_to_string(bench.path("set/coefficients.json")).unwrap();
+    let mut set: Value = serde_json::from_str(&json).unwrap();
+    set["channels"][0]["table"]["cells"][0][0][1] = Value::from(0.5);
+    bench.write("changed.json", &set.to_string());
+    bench.write("cut.json", &json[..json.len() / 2]);
+    bench.write(
+        "other.json",
+        &json.replace("\"format_version\": 1", "\"format_version\": 2"),
+    );
+    for (file, part) in [
+        ("changed.json", "damaged or changed by hand"),
+        ("cut.json", "expected a coefficient set"),
+        ("other.json", "expected tempco-coefficients version 1"),
+        ("none.json", "none.json: No such file"),
+    ] {
+        let ran = bench.run(&format!("inspect {file}"));
+        assert_eq!(ran.code, 2, "{file}");
+        assert!(ran.err.contains(part), "{file}: {}", ran.err);
+    }
+}
+
+#[test]
+fn temperatures_per_axis_are_fitted_and_replayed_apart() {
+    let bench = Bench::new();
+    bench.ok("simulate --unit paper --profile short --seed 7 --out log.csv");
+    let log = std::fs::read_to_string(bench.path("log.csv")).unwrap();
+    let three: Vec<String> = log
+        .lines()
+        .enumerate()
+        .map(|(row, line)| {
+            let cells: Vec<&str> = line.split(',').collect();
+            let temps = match (row, cells[1].parse::<f64>()) {
+                (_, Ok(temp_c)) => format!("{},{},{}", temp_c, temp_c + 0.5, temp_c - 1.0),
+                _ => "temp_x_c,temp_y_c,temp_z_c".to_owned(),
+            };
+            format!("{},{temps},{}", cells[0], cells[2..].join(","))
+        })
+        .collect();
+    bench.write("three.csv", &three.join("\n"));
+    bench.ok("fit three.csv --serial S1 --out set --segments 5:45");
+    let out = bench.ok("evaluate set/coefficients.json three.csv --tau 10");
+    assert!(out.contains("| z "), "{out}");
+    let out = bench.ok("replay set/coefficients.json three.csv --target qemu");
+    assert!(out.contains("3 channel(s) of 1 axes"), "{out}");
+    assert!(out.contains("0 of 10801 samples differ"), "{out}");
+}

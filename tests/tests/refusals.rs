@@ -1,0 +1,205 @@
+//! Bad input: exit code 2, a message that says where and what was expected, nothing written.
+
+use tempco_tests::{Bench, shared};
+
+/// Runs `fit` on a log that must be refused and returns the message.
+fn refused(contents: &str) -> String {
+    let bench = Bench::new();
+    bench.write("log.csv", contents);
+    let ran = bench.run("fit log.csv --serial S1 --out set");
+    assert_eq!(ran.code, 2, "{}{}", ran.out, ran.err);
+    assert_eq!(bench.files(), ["log.csv"], "nothing may be written");
+    assert!(ran.out.is_empty(), "{}", ran.out);
+    ran.err
+}
+
+/// A good log of 600 rows between 10 and 40 degC, with row 300 (line 302) replaced.
+fn with_row_300(header: &str, row: &str) -> String {
+    let mut log = format!("{header}\n");
+    for i in 0..600 {
+        let temp_c = 25.0 + 15.0 * (f64::from(i) * 0.01).sin();
+        match i {
+            300 => log.push_str(row),
+            _ => log.push_str(&format!("{i},{temp_c:.3},{:.4}", 0.01 * temp_c)),
+        }
+        log.push('\n');
+    }
+    log
+}
+
+const HEADER: &str = "time_s,temp_c,x_dph";
+
+#[test]
+fn the_good_log_is_fitted() {
+    let bench = Bench::new();
+    bench.write("log.csv", &with_row_300(HEADER, "300,28.1,0.281"));
+    bench.ok("fit log.csv --serial S1 --out set");
+    assert_eq!(bench.files(), ["log.csv", "set"]);
+}
+
+#[test]
+fn bad_rows_are_named() {
+    for (row, expected) in [
+        (
+            "300,warm,0.2",
+            "log.csv:302:2: column `temp_c`: `warm`: expected a finite number",
+        ),
+        (
+            "300,28.1,NaN",
+            "log.csv:302:3: column `x_dph`: `NaN`: expected a finite number",
+        ),
+        (
+            "299,28.1,0.2",
+            "log.csv:302:1: column `time_s`: 299 s after 299 s: expected time to",
+        ),
+        (
+            "7,28.1,0.2",
+            "log.csv:302:1: column `time_s`: 7 s after 299 s: expected time to",
+        ),
+        (
+            "300,301.2,0.2",
+            "301.2: expected -100 to 200 degC (is it in kelvin?)",
+        ),
+        (
+            "300,28,1,0,2",
+            "log.csv:302: 5 cells, but the header has 3 (a decimal comma",
+        ),
+        ("300,,0.2", "log.csv:302:2: column `temp_c`: an empty cell"),
+    ] {
+        let message = refused(&with_row_300(HEADER, row));
+        assert!(message.starts_with("error: "), "{message}");
+        assert!(message.contains(expected), "{message}");
+    }
+}
+
+#[test]
+fn bad_files_and_headers_are_named() {
+    let good = "300,28.1,0.2";
+    for (contents, expected) in [
+        (String::new(), "log.csv: the file is empty"),
+        (format!("{HEADER}\n"), "log.csv: 0 usable rows"),
+        (
+            with_row_300("time_s,temp_c,x_rpm", good),
+            "log.csv:1: column `x_rpm` has the unknown unit `rpm`",
+        ),
+        (
+            with_row_300("time_s,temp_c,temp_case_c", good),
+            "log.csv:1: no axis column",
+        ),
+        (
+            with_row_300("time_ms,temp_c,x_dph", good),
+            "`time_ms` is not in seconds",
+        ),
+        (
+            with_row_300("time_s,temp_k,x_dph", good),
+            "`temp_k` is not in degC",
+        ),
+    ] {
+        let message = refused(&contents);
+        assert!(message.contains(expected), "{message}");
+    }
+    let two: String = with_row_300(HEADER, good)
+        .lines()
+        .enumerate()
+        .map(|(line, row)| match line {
+            0 => format!("{row},temp_case_c\n"),
+            _ => format!("{row},20.0\n"),
+        })
+        .collect();
+    let message = refused(&two);
+    assert!(message.contains("2 temperature columns"), "{message}");
+    assert!(message.contains("--temp COLUMN"), "{message}");
+
+    // With the mapping it asks for, the same file is fitted.
+    let bench = Bench::new();
+    bench.write("log.csv", &two);
+    bench.ok("fit log.csv --serial S1 --out set --temp temp_c");
+}
+
+#[test]
+fn what_cannot_be_fitted_is_refused() {
+    let rows = |temp: fn(f64) -> f64| {
+        let mut log = format!("{HEADER}\n");
+        for i in 0..600 {
+            log.push_str(&format!("{i},{:.3},0.1\n", temp(f64::from(i))));
+        }
+        log
+    };
+    let message = refused(&rows(|i| 25.0 + 4.9 * (i * 0.01).sin()));
+    assert!(
+        message.contains("spans 9.8 degC only: expected 10 degC or more"),
+        "{message}"
+    );
+
+    let bench = Bench::new();
+    bench.write("log.csv", &rows(|i| 25.0 + 15.0 * (i * 0.01).sin()));
+    for (args, expected) in [
+        ("--segments 10:30,50:80", "leave a gap"),
+        (
+            "--segments 10:30,25:60,55:80",
+            "segment 55.0000..80.0000 degC holds 0 usable rows",
+        ),
+        ("--rate-tau 1.5", "half the rate estimator's time constant"),
+        ("--kappa 3", "setting kappa"),
+        ("--axis x=x_dph:rpm", "unknown unit `rpm`"),
+        ("--scale-factor -1", "expected arcsec per pulse"),
+        ("--model cubic", "invalid value 'cubic'"),
+    ] {
+        let ran = bench.run(&format!("fit log.csv --serial S1 --out set {args}"));
+        assert_eq!(ran.code, 2, "{args}");
+        assert!(ran.err.contains(expected), "{args}: {}", ran.err);
+        assert_eq!(bench.files(), ["log.csv"], "{args}");
+    }
+}
+
+#[test]
+fn skipping_bad_rows_must_be_asked_for_and_is_counted() {
+    let bench = Bench::new();
+    bench.write("log.csv", &with_row_300(HEADER, "300,NaN,0.2"));
+    let ran = bench.run("fit log.csv --serial S1 --out set --skip-bad-rows");
+    assert_eq!(ran.code, 0, "{}", ran.err);
+    assert!(ran.err.contains("1 bad rows left out"), "{}", ran.err);
+}
+
+#[test]
+fn a_real_log_without_temperature_is_refused() {
+    let Some(path) = shared("data/ln100_rlg_static_x_up.csv") else {
+        return;
+    };
+    let bench = Bench::new();
+    let ran = bench.run(&format!("fit {} --serial LN100 --out set", path.display()));
+    assert_eq!(ran.code, 2);
+    assert!(
+        ran.err.contains("no temperature column: expected `temp_c`"),
+        "{}",
+        ran.err
+    );
+    assert!(bench.files().is_empty());
+}
+
+#[test]
+fn a_set_and_a_log_that_do_not_belong_together_are_refused() {
+    let bench = Bench::new();
+    bench.write("log.csv", &with_row_300(HEADER, "300,28.1,0.281"));
+    bench.ok("fit log.csv --serial S1 --out set");
+    bench.write(
+        "dps.csv",
+        &with_row_300("time_s,temp_c,x_dps", "300,28.1,0.281"),
+    );
+    bench.write(
+        "y.csv",
+        &with_row_300("time_s,temp_c,y_dph", "300,28.1,0.281"),
+    );
+    for (log, expected) in [
+        ("dps.csv", "axis `x` is in dps, but the set expects dph"),
+        ("y.csv", "no axis `x`, which the set of S1 compensates"),
+    ] {
+        let ran = bench.run(&format!("apply set/coefficients.json {log} --out out.csv"));
+        assert_eq!(ran.code, 2);
+        assert!(ran.err.contains(expected), "{}", ran.err);
+        assert!(!bench.path("out.csv").exists());
+    }
+    let ran = bench.run("fit log.csv dps.csv --serial S1 --out both");
+    assert_eq!(ran.code, 2);
+    assert!(ran.err.contains("do not belong together"), "{}", ran.err);
+}
