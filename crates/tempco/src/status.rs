@@ -6,8 +6,22 @@ use core::ops::{BitOr, BitOrAssign};
 ///
 /// Flags describe the present sample; how long a fault is remembered is said at each flag.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Status(u16);
+
+/// The names of the flags, separated by blanks; `ok` without a flag.
+#[cfg(feature = "defmt")]
+impl defmt::Format for Status {
+    fn format(&self, fmt: defmt::Formatter) {
+        if *self == Self::OK {
+            defmt::write!(fmt, "ok");
+        }
+        for (flag, name) in Self::NAMES {
+            if self.contains(flag) {
+                defmt::write!(fmt, "{=str} ", name);
+            }
+        }
+    }
+}
 
 /// The three classes a system's monitor acts on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

@@ -23,7 +23,12 @@ pub(crate) struct Args {
     #[arg(value_name = "LOG.csv")]
     log: PathBuf,
     /// Averaging time [s]
-    #[arg(long, value_name = "S", default_value_t = 100.0)]
+    #[arg(
+        long,
+        value_name = "S",
+        default_value_t = 100.0,
+        allow_negative_numbers = true
+    )]
     tau: f64,
     /// Print one JSON object instead of a table
     #[arg(long)]

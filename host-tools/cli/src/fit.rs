@@ -37,16 +37,21 @@ pub(crate) struct Args {
     #[arg(long, value_name = "MIN:MAX,...", allow_hyphen_values = true)]
     segments: Option<Segmentation>,
     /// Time constant of the rate estimator [s]
-    #[arg(long, value_name = "S", default_value_t = ThermalSettings::DEFAULT.tau_s)]
+    #[arg(long, value_name = "S", default_value_t = ThermalSettings::DEFAULT.tau_s, allow_negative_numbers = true)]
     rate_tau: f32,
     /// Shift of the effective temperature u = T - kappa (T - L); 0 is the paper
-    #[arg(long, default_value_t = ThermalSettings::DEFAULT.kappa)]
+    #[arg(long, default_value_t = ThermalSettings::DEFAULT.kappa, allow_negative_numbers = true)]
     kappa: f32,
     /// Fastest believable change of temperature [degC/min]
-    #[arg(long, value_name = "RATE", default_value_t = ThermalSettings::DEFAULT.max_slew_c_per_min)]
+    #[arg(long, value_name = "RATE", default_value_t = ThermalSettings::DEFAULT.max_slew_c_per_min, allow_negative_numbers = true)]
     max_slew: f32,
     /// Averaging time of the printed figures [s]
-    #[arg(long, value_name = "S", default_value_t = 100.0)]
+    #[arg(
+        long,
+        value_name = "S",
+        default_value_t = 100.0,
+        allow_negative_numbers = true
+    )]
     tau: f64,
     #[command(flatten)]
     reading: LogArgs,

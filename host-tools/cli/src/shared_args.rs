@@ -20,7 +20,7 @@ pub(crate) struct LogArgs {
     #[arg(long, value_name = "NAME=COL:UNIT", value_parser = axis_column)]
     axis: Vec<AxisColumn>,
     /// Angle per pulse [arcsec]: turns pulse counts into deg/h
-    #[arg(long, value_name = "ARCSEC")]
+    #[arg(long, value_name = "ARCSEC", allow_negative_numbers = true)]
     pub(crate) scale_factor: Option<f64>,
     /// Leave out rows with bad cells and count them, instead of refusing the log
     #[arg(long)]

@@ -24,7 +24,7 @@ pub(crate) struct Args {
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// Samples per second
-    #[arg(long, value_name = "HZ", default_value_t = DEFAULT_RATE_HZ)]
+    #[arg(long, value_name = "HZ", default_value_t = DEFAULT_RATE_HZ, allow_negative_numbers = true)]
     rate: f64,
     /// Where to write the log
     #[arg(long, value_name = "LOG.csv")]

@@ -90,7 +90,7 @@ fn a_mission_with_every_fault_is_the_same_on_all_boards() {
         assert!(run.succeeded(), "{board}: {:#?}", run.log);
         assert_same(&samples, &expected, &got);
         let banner = &run.log[0];
-        for part in [board.name(), "unit EXAMPLE", "3 axes", "19 cells"] {
+        for part in [board.name(), "unit EXAMPLE", "3 axes", "38 cells"] {
             assert!(banner.contains(part), "{banner}");
         }
         assert!(

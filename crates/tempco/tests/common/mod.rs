@@ -1,0 +1,138 @@
+//! Tables, units and streams that the tests of this folder share.
+
+// Each test file uses a part of it.
+#![allow(dead_code)]
+
+use tempco::{Compensator, Interval, Output, Status, Table, Terms, Thermal, ThermalSettings};
+
+/// The default settings: 60 s of hold and time constant, 10 s to heal, 0.5 degC/s of slew.
+pub(crate) const THERMAL: Thermal = thermal(ThermalSettings::DEFAULT);
+pub(crate) const SETTINGS: ThermalSettings = ThermalSettings::DEFAULT;
+pub(crate) const SECOND: Interval = Interval::new(&THERMAL, 1.0);
+/// Three time constants, after which a restart counts as settled.
+pub(crate) const SETTLE_S: usize = 180;
+pub(crate) const HEAL_S: usize = 10;
+pub(crate) const HOLD_S: usize = 60;
+/// What the effective temperature may move in one second by the default settings \[degC\].
+pub(crate) const SLEW_C: f32 = 0.5;
+
+pub(crate) const T_MIN: f32 = -40.0;
+pub(crate) const T_MAX: f32 = 80.0;
+const CELL_COUNT: usize = 12;
+/// Bias at the edges of the cells: kinked, curved within, never twice the same, so that a wrong
+/// cell, place or order of coefficients cannot pass.
+const EDGES: [f32; CELL_COUNT + 1] = [
+    0.31, 0.27, 0.18, 0.22, 0.40, 0.37, 0.41, 0.55, 0.52, 0.66, 0.71, 0.93, 0.87,
+];
+pub(crate) static CELLS: [[Terms; 2]; CELL_COUNT] = cells();
+/// Two axes, 12 cells over -40..80 degC, continuous in temperature at every rate.
+pub(crate) static TABLE: Table<'static, 2> = table(THERMAL);
+
+pub(crate) const fn thermal(settings: ThermalSettings) -> Thermal {
+    match Thermal::new(settings) {
+        Ok(thermal) => thermal,
+        Err(error) => panic!("{}", error.message()),
+    }
+}
+
+pub(crate) const fn table(thermal: Thermal) -> Table<'static, 2> {
+    match Table::new(thermal, T_MIN, T_MAX, &CELLS) {
+        Ok(table) => table,
+        Err(error) => panic!("{}", error.message()),
+    }
+}
+
+const fn cells() -> [[Terms; 2]; CELL_COUNT] {
+    let none = Terms {
+        a: [0.0; 3],
+        r: [0.0; 2],
+    };
+    let mut cells = [[none; 2]; CELL_COUNT];
+    let mut k = 0;
+    while k < CELL_COUNT {
+        let (cold, hot) = (EDGES[k], EDGES[k + 1]);
+        let curve = 0.02 + 0.01 * k as f32;
+        cells[k][0] = Terms {
+            a: [cold, hot - cold - curve, curve],
+            r: [0.1 * cold, 0.1 * (hot - cold)],
+        };
+        cells[k][1] = Terms {
+            a: [-3.0 * cold, 3.0 * (cold - hot) + curve, -curve],
+            r: [0.2 - cold, cold - hot],
+        };
+        k += 1;
+    }
+    cells
+}
+
+/// How fast a bias can change with either coordinate of its point, read off the table.
+pub(crate) struct Lipschitz {
+    /// \[unit per degC\]
+    pub(crate) per_c: f32,
+    /// \[unit per degC/min\]
+    pub(crate) per_rate: f32,
+}
+
+pub(crate) fn lipschitz(table: &Table<'_, 2>, axis: usize) -> Lipschitz {
+    let settings = table.thermal().settings();
+    let rate = settings
+        .rate_max_c_per_min
+        .max(-settings.rate_min_c_per_min);
+    let cells = table.cells();
+    let cells_per_c = cells.len() as f32 / (table.t_max_c() - table.t_min_c());
+    let mut bound = Lipschitz {
+        per_c: 0.0,
+        per_rate: 0.0,
+    };
+    for Terms { a, r } in cells.iter().map(|cell| cell[axis]) {
+        let per_cell = a[1].abs().max((a[1] + 2.0 * a[2]).abs()) + rate * r[1].abs();
+        bound.per_c = bound.per_c.max(per_cell * cells_per_c);
+        bound.per_rate = bound.per_rate.max(r[0].abs()).max((r[0] + r[1]).abs());
+    }
+    bound
+}
+
+/// A unit that has been at `temp_c` for so long that there is nothing left to remark.
+pub(crate) fn settled(temp_c: f32) -> Compensator<'static, 2> {
+    let mut unit = Compensator::new(&TABLE);
+    unit.start(temp_c);
+    let out = feed(&mut unit, [temp_c; SETTLE_S]);
+    assert_eq!(out[SETTLE_S - 2].status, Status::SETTLING);
+    assert_eq!(out[SETTLE_S - 1].status, Status::OK);
+    unit
+}
+
+/// A unit on a steady ramp that is at `temp_c` now and at `temp_c + rate / 60` in a second.
+pub(crate) fn on_ramp(temp_c: f32, rate_c_per_min: f32) -> Compensator<'static, 2> {
+    // Ten time constants.
+    let seconds = 600;
+    let temp = |s| temp_c + rate_c_per_min / 60.0 * s as f32;
+    let mut unit = Compensator::new(&TABLE);
+    unit.start(temp(-seconds));
+    let out = feed(&mut unit, (1 - seconds..=0).map(temp));
+    let rate = out.last().unwrap().point.rate_c_per_min;
+    assert!((rate / rate_c_per_min - 1.0).abs() < 1e-3);
+    unit
+}
+
+/// Steps the unit once a second.
+pub(crate) fn feed(
+    unit: &mut Compensator<'static, 2>,
+    temps: impl IntoIterator<Item = f32>,
+) -> Vec<Output<2>> {
+    let step = |temp| unit.step(&SECOND, temp, [1.0, -2.0]);
+    temps.into_iter().map(step).collect()
+}
+
+/// What is applied without any temperature: the bias at the reference temperature.
+pub(crate) fn constant_bias() -> [f32; 2] {
+    feed(&mut Compensator::new(&TABLE), [f32::NAN])[0].bias
+}
+
+/// All the numbers of an output, so that NaN equals itself and 0 differs from -0.
+pub(crate) fn bits(out: &Output<2>) -> [u32; 6] {
+    let [c0, c1] = out.compensated;
+    let [b0, b1] = out.bias;
+    let point = out.point;
+    [c0, c1, b0, b1, point.effective_c, point.rate_c_per_min].map(f32::to_bits)
+}

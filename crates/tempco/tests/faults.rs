@@ -1,0 +1,229 @@
+//! A broken, noisy or reconnected temperature sensor: what is applied, what the status says,
+//! and how long it takes to heal.
+
+mod common;
+
+use common::*;
+use tempco::{Compensator, Status, Validity};
+
+const BAD: Status = Status::TEMPERATURE_INVALID;
+const SPIKE: Status = Status::TEMPERATURE_SPIKE;
+const LOST: Status = Status::TEMPERATURE_LOST;
+const SETTLING: Status = Status::SETTLING;
+
+/// Codes at a rail of the sensor, and what a division by a dead reference makes of them.
+const BROKEN: [f32; 9] = [
+    f32::NAN,
+    -f32::NAN,
+    f32::INFINITY,
+    f32::NEG_INFINITY,
+    f32::MAX,
+    f32::MIN,
+    -60.00001,
+    150.00002,
+    -273.15,
+];
+
+/// Good samples after a bad one: marked as settling for the heal time, and not a sample longer.
+fn assert_heals(unit: &mut Compensator<'static, 2>, temp_c: f32) {
+    for (second, out) in (1..).zip(feed(unit, [temp_c; HEAL_S + 5])) {
+        let expected = if second < HEAL_S {
+            SETTLING
+        } else {
+            Status::OK
+        };
+        assert_eq!(out.status, expected, "{second} s after");
+    }
+}
+
+#[test]
+fn an_unusable_temperature_holds_the_last_good_one_and_heals() {
+    for broken in BROKEN {
+        let mut unit = settled(40.0);
+        let before = feed(&mut unit, [40.0])[0];
+        let out = feed(&mut unit, [broken])[0];
+        assert_eq!(bits(&out), bits(&before), "{broken}");
+        assert_eq!(out.status, BAD | SETTLING, "{broken}");
+        assert_eq!(out.status.validity(), Validity::Degraded);
+        assert_eq!(unit.thermal_state().rejected(), 1);
+        assert_heals(&mut unit, 40.0);
+        assert_eq!(unit.thermal_state().restarts(), 1);
+    }
+}
+
+#[test]
+fn temperatures_at_the_rails_of_the_sensor_are_good() {
+    for rail in [SETTINGS.sensor_min_c, SETTINGS.sensor_max_c] {
+        let mut unit = Compensator::new(&TABLE);
+        unit.start(rail);
+        let out = feed(&mut unit, [rail; SETTLE_S]);
+        assert_eq!(out[SETTLE_S - 1].status, Status::TEMPERATURE_CLAMPED);
+    }
+}
+
+#[test]
+fn the_rate_decays_with_the_time_constant_while_the_temperature_is_missing() {
+    for rate in [-3.0, 0.5, 12.0] {
+        let outs = feed(&mut on_ramp(30.0, rate), [f32::NAN; HOLD_S]);
+        for (second, out) in (1..).zip(outs) {
+            let expected = rate * (-(second as f32) / SETTINGS.tau_s).exp();
+            let error = out.point.rate_c_per_min / expected - 1.0;
+            assert!(error.abs() < 2e-3, "{error} after {second} s of {rate}");
+            assert_eq!(out.status, BAD | SETTLING);
+            assert!((out.point.effective_c - 30.0).abs() < 1e-4);
+        }
+    }
+}
+
+#[test]
+fn past_the_hold_time_only_the_constant_bias_is_applied() {
+    let expected = constant_bias();
+    for start in [-20.0, 0.0, 80.0] {
+        let mut unit = on_ramp(start, 3.0);
+        feed(&mut unit, [f32::NAN; HOLD_S]);
+        let to_reference = (start - SETTINGS.reference_c).abs();
+        let arrived = (to_reference / SLEW_C) as usize + 1;
+        let mut effective = start;
+        for (second, out) in (1..).zip(feed(&mut unit, [f32::NAN; 3000])) {
+            assert!(out.status.contains(BAD | LOST | SETTLING), "{second} s");
+            assert_eq!(out.status.validity(), Validity::Invalid);
+            assert_eq!(out.point.rate_c_per_min, 0.0);
+            assert!((out.point.effective_c - effective).abs() <= SLEW_C + 1e-4);
+            effective = out.point.effective_c;
+            assert!(second < arrived || out.bias == expected, "{second} s");
+        }
+    }
+}
+
+#[test]
+fn a_unit_that_never_saw_a_temperature_applies_the_constant_bias() {
+    let mut unit = Compensator::new(&TABLE);
+    unit.start(f32::NAN);
+    for out in feed(&mut unit, [f32::NAN; 100]) {
+        assert_eq!(out.bias, constant_bias());
+        assert_eq!(out.status, BAD | LOST | SETTLING);
+    }
+    let reference = settled(SETTINGS.reference_c);
+    assert_eq!(
+        feed(&mut reference.clone(), [25.0])[0].bias,
+        constant_bias()
+    );
+}
+
+#[test]
+fn a_temperature_that_returns_ramps_in_without_a_step_or_a_rate() {
+    let mut unit = settled(70.0);
+    feed(&mut unit, [f32::NAN; 400]);
+    let mut effective = SETTINGS.reference_c;
+    for (second, out) in (0..).zip(feed(&mut unit, [-20.0; SETTLE_S + 5])) {
+        effective = (effective - SLEW_C).max(-20.0);
+        assert_eq!(out.point.effective_c, effective);
+        assert_eq!(out.point.rate_c_per_min, 0.0);
+        let settled = second >= SETTLE_S;
+        assert_eq!(out.status, if settled { Status::OK } else { SETTLING });
+    }
+    assert_eq!(unit.thermal_state().restarts(), 2);
+    assert_eq!(unit.thermal_state().rejected(), 400);
+}
+
+/// Even where it returns close to where it was lost: how it got there is not known.
+#[test]
+fn no_rate_survives_a_loss() {
+    let mut unit = on_ramp(30.0, 3.0);
+    feed(&mut unit, [f32::NAN; HOLD_S + 1]);
+    for out in feed(&mut unit, [30.0; SETTLE_S]) {
+        assert_eq!((out.point.rate_c_per_min, out.status), (0.0, SETTLING));
+    }
+    assert_eq!(unit.thermal_state().restarts(), 2);
+}
+
+#[test]
+fn a_second_start_forgets_the_first() {
+    let mut unit = on_ramp(30.0, 3.0);
+    feed(&mut unit, [f32::NAN; 50]);
+    unit.start(-20.0);
+    let mut fresh = Compensator::new(&TABLE);
+    fresh.start(-20.0);
+    assert_eq!(unit.thermal_state(), fresh.thermal_state());
+    let out = feed(&mut unit, [-20.0])[0];
+    assert_eq!((out.point.effective_c, out.status), (-20.0, SETTLING));
+}
+
+#[test]
+fn a_spike_is_rejected_before_the_differentiator_and_heals() {
+    let gate = SETTINGS.spike_gate_c + SLEW_C;
+    for spike in [gate + 1e-3, -gate - 1e-3, 5.0, -5.0, 100.0, -90.0] {
+        let mut unit = settled(40.0);
+        let before = feed(&mut unit, [40.0])[0];
+        let out = feed(&mut unit, [40.0 + spike])[0];
+        assert_eq!(bits(&out), bits(&before), "{spike}");
+        assert_eq!(out.status, SPIKE | SETTLING, "{spike}");
+        assert_eq!(unit.thermal_state().rejected(), 1);
+        assert_heals(&mut unit, 40.0);
+    }
+    // The widest jump that is believed: no remark, no restart, but no more than the slew either.
+    for jump in [gate, -gate] {
+        let mut unit = settled(40.0);
+        let out = feed(&mut unit, [40.0 + jump])[0];
+        assert_eq!(out.status, Status::OK);
+        assert_eq!(out.point.effective_c, 40.0 + SLEW_C.copysign(jump));
+        assert_eq!(unit.thermal_state().restarts(), 1);
+    }
+}
+
+#[test]
+fn the_gate_does_not_stay_wide_after_an_outage() {
+    let mut unit = settled(40.0);
+    feed(&mut unit, [f32::NAN; 20]);
+    feed(&mut unit, [40.0]);
+    assert!(feed(&mut unit, [43.0])[0].status.contains(SPIKE));
+}
+
+#[test]
+fn alternating_good_and_bad_is_degraded_but_never_lost_nor_wrong() {
+    let temp = |s: i32| 20.0 + s as f32 / 60.0;
+    let mut unit = on_ramp(20.0, 1.0);
+    for s in 1..=2000 {
+        let bad = [temp(s), [f32::NAN, 140.0][s as usize / 2 % 2]][s as usize % 2];
+        let out = feed(&mut unit, [bad])[0];
+        assert!(out.status.contains(SETTLING) && !out.status.contains(LOST));
+        // Half of the temperatures are a second old: an error of 1/120 either way.
+        assert!((out.point.rate_c_per_min - 1.0).abs() < 0.02, "{out:?}");
+        assert!((out.point.effective_c - temp(s)).abs() < 0.02, "{out:?}");
+    }
+    assert_eq!(unit.thermal_state().rejected(), 1000);
+    assert_eq!(unit.thermal_state().restarts(), 1);
+}
+
+/// A sensor that comes back at another temperature is believed once the part can have got there.
+#[test]
+fn a_step_is_believed_when_the_part_can_have_reached_it() {
+    for step in [20.0, -20.0, 31.0] {
+        let mut unit = settled(10.0);
+        let needed = ((f32::abs(step) - SETTINGS.spike_gate_c) / SLEW_C) as usize;
+        for out in feed(&mut unit, vec![10.0 + step; needed - 1]) {
+            assert_eq!(out.status, SPIKE | SETTLING);
+            assert_eq!(out.point.effective_c, 10.0);
+        }
+        let mut effective = 10.0;
+        for (second, out) in (0..).zip(feed(&mut unit, [10.0 + step; SETTLE_S + 1])) {
+            assert_eq!(out.point.rate_c_per_min, 0.0, "no rate from a step");
+            assert!((out.point.effective_c - effective).abs() <= SLEW_C);
+            effective = out.point.effective_c;
+            let settled = second == SETTLE_S;
+            assert_eq!(out.status, if settled { Status::OK } else { SETTLING });
+        }
+        assert_eq!(effective, 10.0 + step);
+        assert_eq!(unit.thermal_state().restarts(), 2);
+    }
+}
+
+#[test]
+fn a_step_too_large_for_the_hold_time_is_believed_after_the_loss() {
+    let mut unit = settled(-30.0);
+    let outs = feed(&mut unit, [60.0; HOLD_S + 2]);
+    assert!(outs[..HOLD_S].iter().all(|o| o.status == SPIKE | SETTLING));
+    assert_eq!(outs[HOLD_S].status, SPIKE | LOST | SETTLING);
+    assert_eq!(outs[HOLD_S + 1].status, SETTLING);
+    assert_eq!(unit.thermal_state().rejected() as usize, HOLD_S + 1);
+}
