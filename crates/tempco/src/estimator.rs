@@ -10,7 +10,7 @@ use crate::interval::Interval;
 /// T' = d alpha / dt
 /// ```
 ///
-/// On a steady ramp `d` settles at `rate * dt / alpha`, so `T'` is exact for every `dt`. After
+/// On a steady ramp `d` settles at `rate * dt / alpha`, so `T'` is exact for every constant `dt`. After
 /// the onset of a ramp it approaches as `1 - exp(-t / tau)`: the delay is `tau`. White noise of
 /// standard deviation `s` on the temperature gives `s / tau` on the rate (0.018 degC/min for
 /// a 0.0625 degC step and 60 s).
@@ -33,13 +33,16 @@ impl RateEstimator {
         }
     }
 
-    /// The rate of temperature \[degC/min\]; on `restart` the filter begins anew at `temp_c`.
+    /// The rate of temperature \[degC/min\].
+    ///
+    /// `shift_c` is the part of the last change that is no movement, such as the return of a sensor
+    /// that was off: it is passed on to the filtered temperature, and the rate goes on from what it
+    /// was.
     #[inline]
-    pub(crate) fn update(&mut self, interval: &Interval, temp_c: f32, restart: bool) -> f32 {
-        let filtered_c = if restart { temp_c } else { self.filtered_c };
-        let remainder_c = if restart { 0.0 } else { self.remainder_c };
-        let lag_c = (temp_c - filtered_c) - remainder_c;
-        let increment_c = interval.alpha * lag_c + remainder_c;
+    pub(crate) fn update(&mut self, interval: &Interval, temp_c: f32, shift_c: f32) -> f32 {
+        let filtered_c = self.filtered_c + shift_c;
+        let lag_c = (temp_c - filtered_c) - self.remainder_c;
+        let increment_c = interval.alpha * lag_c + self.remainder_c;
         self.filtered_c = filtered_c + increment_c;
         self.remainder_c = increment_c - (self.filtered_c - filtered_c);
         lag_c * interval.rate_gain_per_min
@@ -91,7 +94,7 @@ mod tests {
                             let mut estimator = RateEstimator::new(start as f32);
                             let mut rate = 0.0;
                             for temp in temps() {
-                                rate = estimator.update(&interval, temp, false);
+                                rate = estimator.update(&interval, temp, 0.0);
                             }
                             let expected = reference(&settings, f64::from(dt_s), temps());
                             let error = (f64::from(rate) - expected).abs();
@@ -112,11 +115,12 @@ mod tests {
     }
 
     #[test]
-    fn restart_forgets_the_past() {
+    fn a_shift_is_not_differentiated() {
         let interval = Interval::new(&Thermal::new(ThermalSettings::DEFAULT).unwrap(), 1.0);
         let mut estimator = RateEstimator::new(-40.0);
-        assert!(estimator.update(&interval, 20.0, false) > 50.0);
-        assert_eq!(estimator.update(&interval, 20.0, true), 0.0);
-        assert_eq!(estimator.update(&interval, 20.0, false), 0.0);
+        assert!(estimator.update(&interval, 20.0, 0.0) > 50.0);
+        let mut estimator = RateEstimator::new(-40.0);
+        assert_eq!(estimator.update(&interval, 20.0, 60.0), 0.0);
+        assert_eq!(estimator.update(&interval, 20.0, 0.0), 0.0);
     }
 }

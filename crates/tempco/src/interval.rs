@@ -2,78 +2,76 @@
 
 use crate::{Status, Thermal};
 
-/// The time since the last thermal update, with the filter factors that follow from it.
-///
-/// A unit that samples its temperature at a fixed rate makes one constant of it; where the time
-/// varies, make a new one for each update: that takes only multiplications and subtractions.
-///
-/// With `x = dt / tau` the factors are `alpha = 1 - exp(-x)` and `alpha / dt`, by the series
-/// `alpha / x = 1 - x/2 (1 - x/3 (1 - x/4 (1 - x/5)))`, whose relative error is below 6e-5 at the
-/// limit `x = 1/2` and below 1e-7 for `x <= 1/8`. A longer interval restarts the estimator: what
-/// the temperature did meanwhile is not known, and nothing is invented.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Interval {
-    pub(crate) dt_s: f32,
-    pub(crate) alpha: f32,
-    /// Rate of temperature per degree of lag \[1/min\].
-    pub(crate) rate_gain_per_min: f32,
-    /// How far the temperature may move in this time \[degC\].
-    pub(crate) slew_c: f32,
-    pub(crate) restart: bool,
-    pub(crate) status: Status,
-}
+/// Resolution of the core's timers: 10 us, and 5.9 h at most. Integers, because a sum of many
+/// short times in f32 stands still when they fall below its last place.
+pub(crate) const TICKS_PER_S: f32 = 1e5;
 
 /// A temperature near 150 degC has a last place of 1.5e-5 degC; a smaller step would vanish.
 const LEAST_SLEW_C: f32 = 2e-5;
 
+/// The time since the last thermal update, with the filter factors that follow from it.
+///
+/// A unit that samples its temperature at a fixed rate makes one constant of it; where the time
+/// varies, make a new one for each update: that takes multiplications, sums and comparisons only.
+///
+/// With `x = dt / tau` the factors are `alpha = 1 - exp(-x)` and `alpha / dt`, by the series
+/// `alpha / x = 1 - x/2 (1 - x/3 (1 - x/4 (1 - x/5)))`, whose relative error is below 6e-5 at the
+/// limit `x = 1/2` and below 2e-7 for `x <= 1/8`. A longer interval restarts the estimator: what
+/// the temperature did meanwhile is not known, and nothing is invented.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Interval {
+    pub(crate) ticks: i32,
+    pub(crate) alpha: f32,
+    /// Rate of temperature per degree of lag \[1/min\].
+    pub(crate) rate_gain_per_min: f32,
+    /// How far the effective temperature may move in this time \[degC\].
+    pub(crate) slew_c: f32,
+    /// Time has passed; a temperature without time is not believed.
+    pub(crate) forward: bool,
+    pub(crate) status: Status,
+}
+
 impl Interval {
     /// The first update after power-on: no time has passed and nothing needs to ramp.
     pub(crate) const POWER_ON: Self = Self {
-        dt_s: 0.0,
+        ticks: 0,
         alpha: 0.0,
         rate_gain_per_min: 0.0,
         slew_c: f32::INFINITY,
-        restart: true,
+        forward: true,
         status: Status::OK,
     };
 
     /// The interval of `dt_s` \[s\] for the given thermal settings.
     ///
-    /// Zero, negative and NaN count as no time at all; they and intervals beyond
-    /// [`Thermal::longest_interval_s`] set [`Status::INTERVAL_INVALID`].
+    /// Zero, negative and NaN count as no time at all, and the temperature that comes with them is
+    /// not used. They and intervals beyond [`Thermal::longest_interval_s`] set
+    /// [`Status::INTERVAL_INVALID`].
     pub const fn new(thermal: &Thermal, dt_s: f32) -> Self {
-        let positive = dt_s > 0.0;
+        let forward = dt_s > 0.0;
         let longest_s = thermal.longest_interval_s();
-        let restart = dt_s > longest_s;
-        let dt_s = if restart {
-            longest_s
-        } else if positive {
-            dt_s
-        } else {
-            0.0
-        };
+        let gap = dt_s > longest_s;
+        let real_s = if forward { dt_s } else { 0.0 };
+        let dt_s = if gap { longest_s } else { real_s };
         let x = dt_s * thermal.per_tau_hz;
-        let slew_c = thermal.settings.max_slew_c_per_min * dt_s * (1.0 / 60.0);
         let alpha_per_x = 1.0
             - x * (1.0 / 2.0) * (1.0 - x * (1.0 / 3.0) * (1.0 - x * (1.0 / 4.0) * (1.0 - x * 0.2)));
+        let slew_c = thermal.settings.max_slew_c_per_min * dt_s * (1.0 / 60.0);
+        let vanishes = forward & (slew_c < LEAST_SLEW_C);
         Self {
-            dt_s,
-            alpha: x * alpha_per_x,
-            rate_gain_per_min: 60.0 * thermal.per_tau_hz * alpha_per_x,
-            slew_c: if positive & (slew_c < LEAST_SLEW_C) {
-                LEAST_SLEW_C
+            // The conversion saturates.
+            ticks: (real_s * TICKS_PER_S + 0.5) as i32,
+            alpha: if gap { 1.0 } else { x * alpha_per_x },
+            rate_gain_per_min: if gap {
+                0.0
             } else {
-                slew_c
+                60.0 * thermal.per_tau_hz * alpha_per_x
             },
-            restart,
-            status: Status::INTERVAL_INVALID.when(restart || !positive),
+            slew_c: if vanishes { LEAST_SLEW_C } else { slew_c },
+            forward,
+            status: Status::INTERVAL_INVALID.when(gap | !forward),
         }
-    }
-
-    /// The time used \[s\]: what was given, limited to `0..=`[`Thermal::longest_interval_s`].
-    pub const fn dt_s(&self) -> f32 {
-        self.dt_s
     }
 }
 
@@ -108,14 +106,19 @@ mod tests {
         for dt_s in [0.0, -1.0, f32::NAN, f32::NEG_INFINITY] {
             let interval = Interval::new(&THERMAL, dt_s);
             assert_eq!(interval.status, Status::INTERVAL_INVALID);
-            assert_eq!((interval.dt_s, interval.alpha), (0.0, 0.0));
-            assert!(!interval.restart);
+            assert_eq!((interval.ticks, interval.alpha), (0, 0.0));
+            assert!(!interval.forward);
         }
-        for dt_s in [30.001, 1e9, f32::INFINITY] {
+        for (dt_s, ticks) in [
+            (30.001, 3_000_100),
+            (1e9, i32::MAX),
+            (f32::INFINITY, i32::MAX),
+        ] {
             let interval = Interval::new(&THERMAL, dt_s);
             assert_eq!(interval.status, Status::INTERVAL_INVALID);
-            assert_eq!(interval.dt_s, 30.0);
-            assert!(interval.restart);
+            assert_eq!((interval.ticks, interval.alpha), (ticks, 1.0));
+            assert_eq!(interval.rate_gain_per_min, 0.0);
+            assert!((interval.slew_c - 15.0).abs() < 1e-5);
         }
         assert_eq!(Interval::new(&THERMAL, 30.0).status, Status::OK);
     }

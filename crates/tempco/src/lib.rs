@@ -13,12 +13,12 @@
 //!                (believable?)  (T', lag)    (u, T')    (bias)   (raw - bias)   + bias + status
 //! ```
 //!
-//! With `T` the conditioned temperature \[degC\] and `L` its first-order filtered value, the
-//! bias of one axis is
+//! With `T` the conditioned temperature \[degC\] and `L` its first-order filtered value (before
+//! this sample is taken in), the bias of one axis is
 //!
 //! ```text
 //! T' = (T - L) / tau                          rate of temperature       [degC/min]
-//! u  = T - kappa (T - L)                      effective temperature     [degC]
+//! u  = T - kappa tau T'                       effective temperature     [degC]
 //! z  = (u - t_min) / cell_width - k           place within cell k       [0, 1)
 //! B  = a0 + a1 z + a2 z^2 + T' (r0 + r1 z)    bias                      [unit of the axis]
 //! ```

@@ -1,6 +1,7 @@
 //! The coefficient table: the bias model as cells of equal width over the calibrated range.
 
 use core::fmt;
+use core::hint::select_unpredictable;
 
 use crate::{Status, Thermal, ThermalPoint};
 
@@ -9,7 +10,7 @@ pub const MAX_CELLS: usize = 1024;
 
 /// Largest magnitude of a coefficient \[unit of the axis\]. With the bounds on rates it keeps
 /// every intermediate result finite in f32.
-const MAX_COEFFICIENT: f32 = 1e30;
+const MAX_COEFFICIENT: f32 = 1e20;
 
 /// The coefficients of one axis in one cell, lowest power first.
 ///
@@ -84,8 +85,8 @@ impl<'a, const AXES: usize> Table<'a, AXES> {
     /// In a const a bad table stops the build; see the example of the crate.
     ///
     /// # Errors
-    /// A range that is empty or not finite or that the sensor cannot report, no cells or more
-    /// than [`MAX_CELLS`], or a coefficient that is not finite or beyond 1e30.
+    /// A range that is empty, not finite or beyond -273.15..1000 degC, no cells or more than
+    /// [`MAX_CELLS`], or a coefficient that is not finite or beyond 1e20.
     pub const fn new(
         thermal: Thermal,
         first_edge_c: f32,
@@ -172,8 +173,8 @@ impl<'a, const AXES: usize> Table<'a, AXES> {
     pub fn place(&self, effective_c: f32) -> Place {
         let cold = effective_c < self.t_min_c;
         let hot = effective_c > self.t_max_c;
-        let temp_c = if cold { self.t_min_c } else { effective_c };
-        let temp_c = if hot { self.t_max_c } else { temp_c };
+        let temp_c = select_unpredictable(cold, self.t_min_c, effective_c);
+        let temp_c = select_unpredictable(hot, self.t_max_c, temp_c);
         let place = (temp_c - self.first_edge_c) * self.cells_per_c;
         let cell = place as u32;
         Place {
@@ -183,7 +184,8 @@ impl<'a, const AXES: usize> Table<'a, AXES> {
         }
     }
 
-    /// The bias of every axis at a thermal point \[unit of each axis\].
+    /// The bias of every axis at a thermal point, none of whose figures may be NaN \[unit of each
+    /// axis\].
     ///
     /// # Timing
     /// No branch depends on the data.
@@ -211,7 +213,7 @@ pub enum TableError {
     Setting(&'static str),
     /// There is no cell, or more than [`MAX_CELLS`].
     CellCount,
-    /// A coefficient is not finite or its magnitude exceeds 1e30.
+    /// A coefficient is not finite or its magnitude exceeds 1e20.
     Coefficient {
         /// Number of the cell, 0 for the coldest.
         cell: usize,
@@ -226,7 +228,7 @@ impl TableError {
         match self {
             Self::Setting(name) => name,
             Self::CellCount => "a table needs 1 to 1024 cells",
-            Self::Coefficient { .. } => "a coefficient is not finite or beyond 1e30",
+            Self::Coefficient { .. } => "a coefficient is not finite or beyond 1e20",
         }
     }
 }
@@ -359,7 +361,7 @@ mod tests {
             refused(10.0, 20.0, &[[LINE; 2]; MAX_CELLS + 1]),
             TableError::CellCount
         );
-        for bad in [f32::NAN, f32::INFINITY, -2e30] {
+        for bad in [f32::NAN, f32::INFINITY, -2e20] {
             for place in 0..5 {
                 let mut cells = good;
                 match place {

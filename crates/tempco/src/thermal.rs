@@ -1,8 +1,11 @@
 //! The thermal path shared by all axes of a unit: settings, and the point at which the bias
 //! model is evaluated.
 
+use core::hint::select_unpredictable;
+
 use crate::conditioner::Conditioner;
 use crate::estimator::RateEstimator;
+use crate::interval::TICKS_PER_S;
 use crate::table::{TableError, is_within};
 use crate::{Interval, Status};
 
@@ -15,16 +18,19 @@ pub struct ThermalSettings {
     /// Highest temperature the sensor can report \[degC\].
     pub sensor_max_c: f32,
     /// Largest believable jump between neighbouring temperatures beyond `max_slew_c_per_min`
-    /// \[degC\]: noise and quantisation of the sensor, generously.
+    /// \[degC\]: noise and quantisation of the sensor, generously. Also how far the effective
+    /// temperature may be from where it ramps to without [`Status::SETTLING`].
     pub spike_gate_c: f32,
     /// Fastest change the part can undergo \[degC/min\]. Bounds what is believed after a fault,
-    /// and the speed at which the effective temperature, and with it the bias, may move.
+    /// and the speed at which the effective temperature, and with it the bias, may move (but for
+    /// at least 2e-5 degC per update, which f32 can just represent).
     pub max_slew_c_per_min: f32,
-    /// How long the last good temperature is held before it is given up \[s\].
+    /// How long the last good temperature is held before it is given up \[s\], at most 20000.
     pub hold_s: f32,
-    /// How long [`Status::SETTLING`] outlasts a rejected temperature \[s\].
+    /// How long [`Status::SETTLING`] outlasts a rejected temperature \[s\], at most 20000; after
+    /// several in a row, longer by the time they took.
     pub heal_s: f32,
-    /// Time constant of the rate estimator \[s\].
+    /// Time constant of the rate estimator \[s\], 0.1 to 6000.
     pub tau_s: f32,
     /// Shift of the effective temperature along the sensor's lag, 0 to 2; 0 is the paper.
     pub kappa: f32,
@@ -33,7 +39,7 @@ pub struct ThermalSettings {
     /// Highest calibrated rate of temperature \[degC/min\], at least 0.
     pub rate_max_c_per_min: f32,
     /// The temperature whose bias is the constant bias, applied alone when the temperature is
-    /// lost \[degC\].
+    /// lost \[degC\]; outside the table's range, the nearest end of it counts.
     pub reference_c: f32,
 }
 
@@ -55,18 +61,30 @@ impl ThermalSettings {
     };
 }
 
+/// The longest time that is counted, with room to add to it \[s\].
+const LONGEST_TIMER_S: f32 = 2e4;
+
+const fn ticks(time_s: f32) -> i32 {
+    (time_s * TICKS_PER_S + 0.5) as i32
+}
+
 /// Checked [`ThermalSettings`] with what follows from them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Thermal {
     pub(crate) settings: ThermalSettings,
-    /// Width of the gate at which the hold time is over \[degC\].
-    pub(crate) lost_gate_c: f32,
+    pub(crate) hold_ticks: i32,
+    pub(crate) heal_ticks: i32,
+    /// Three time constants: the rate estimate is then within 5 % of a new ramp.
+    pub(crate) settle_ticks: i32,
+    /// The longer of healing and settling.
+    pub(crate) longest_heal_ticks: i32,
+    /// After this long without a believed temperature the estimator begins anew.
+    pub(crate) restart_ticks: i32,
+    pub(crate) slew_c_per_tick: f32,
     pub(crate) per_tau_hz: f32,
     /// Shift of the effective temperature per rate, `kappa tau` \[min\].
     pub(crate) shift_min: f32,
-    /// Three time constants: the rate estimate is then within 5 % of a new ramp \[s\].
-    pub(crate) settle_s: f32,
 }
 
 impl Thermal {
@@ -87,18 +105,26 @@ impl Thermal {
         check!(sensor_max_c, s.sensor_min_c, 1e3);
         check!(spike_gate_c, 1e-3, 1e3);
         check!(max_slew_c_per_min, 1e-3, 1e4);
-        check!(hold_s, 0.0, 1e6);
-        check!(heal_s, 0.0, 1e6);
-        check!(tau_s, 0.1, 1e5);
+        check!(hold_s, 0.0, LONGEST_TIMER_S);
+        check!(heal_s, 0.0, LONGEST_TIMER_S);
+        check!(tau_s, 0.1, 6e3);
         check!(kappa, 0.0, 2.0);
         check!(rate_min_c_per_min, -1e4, 0.0);
         check!(rate_max_c_per_min, 0.0, 1e4);
         check!(reference_c, s.sensor_min_c, s.sensor_max_c);
         Ok(Self {
-            lost_gate_c: s.spike_gate_c + s.max_slew_c_per_min * s.hold_s / 60.0,
+            hold_ticks: ticks(s.hold_s),
+            heal_ticks: ticks(s.heal_s),
+            settle_ticks: ticks(3.0 * s.tau_s),
+            longest_heal_ticks: ticks(if s.heal_s > 3.0 * s.tau_s {
+                s.heal_s
+            } else {
+                3.0 * s.tau_s
+            }),
+            restart_ticks: ticks(0.5 * s.tau_s),
+            slew_c_per_tick: s.max_slew_c_per_min / (60.0 * TICKS_PER_S),
             per_tau_hz: 1.0 / s.tau_s,
             shift_min: s.kappa * s.tau_s / 60.0,
-            settle_s: 3.0 * s.tau_s,
             settings,
         })
     }
@@ -150,15 +176,19 @@ impl ThermalState {
     }
 
     /// Starts at the first temperature after power-on, without the ramp from the reference
-    /// temperature that a return in flight makes. A bad temperature leaves the state lost.
+    /// temperature that a return in flight makes. One that the sensor cannot report leaves the
+    /// state lost; any other is believed, so take care that it is good, for instance the median of
+    /// several readings.
     pub fn start(&mut self, thermal: &Thermal, temp_c: f32) -> ThermalPoint {
         *self = Self::new(thermal);
+        self.conditioner.trust(temp_c);
         self.update(thermal, &Interval::POWER_ON, temp_c)
     }
 
     /// Takes one temperature \[degC\], `interval` after the one before; NaN where there is none.
     ///
     /// The effective temperature moves by no more than the maximum slew, whatever is passed in.
+    /// Where the temperature is held, the rate decays with the time constant of the estimator.
     ///
     /// # Timing
     /// No branch depends on the data.
@@ -168,28 +198,27 @@ impl ThermalState {
         let conditioned = self.conditioner.update(thermal, interval, temp_c);
         let rate = self
             .estimator
-            .update(interval, conditioned.temp_c, conditioned.restart);
+            .update(interval, conditioned.temp_c, conditioned.shift_c);
 
-        let rate_clamped = rate < settings.rate_min_c_per_min || rate > settings.rate_max_c_per_min;
-        let rate = clamp(
-            rate,
-            settings.rate_min_c_per_min,
-            settings.rate_max_c_per_min,
-        );
+        let too_slow = rate < settings.rate_min_c_per_min;
+        let too_fast = rate > settings.rate_max_c_per_min;
+        let rate = select_unpredictable(too_slow, settings.rate_min_c_per_min, rate);
+        let rate = select_unpredictable(too_fast, settings.rate_max_c_per_min, rate);
 
-        let rate = if conditioned.lost { 0.0 } else { rate };
-        let target = if conditioned.lost {
-            settings.reference_c
-        } else {
-            conditioned.temp_c - thermal.shift_min * rate
-        };
-        let step = clamp(target - self.effective_c, -interval.slew_c, interval.slew_c);
-        self.effective_c += step;
+        let measured_c = conditioned.temp_c - thermal.shift_min * rate;
+        let target_c = select_unpredictable(conditioned.lost, settings.reference_c, measured_c);
+        let way_c = target_c - self.effective_c;
+        let step_c = select_unpredictable(way_c < -interval.slew_c, -interval.slew_c, way_c);
+        let step_c = select_unpredictable(way_c > interval.slew_c, interval.slew_c, step_c);
+        self.effective_c += step_c;
+        let ramping = (way_c - step_c).abs() > settings.spike_gate_c;
 
         ThermalPoint {
             effective_c: self.effective_c,
             rate_c_per_min: rate,
-            status: conditioned.status | Status::RATE_CLAMPED.when(rate_clamped),
+            status: conditioned.status
+                | Status::SETTLING.when(ramping)
+                | Status::RATE_CLAMPED.when(too_slow | too_fast),
         }
     }
 
@@ -202,12 +231,4 @@ impl ThermalState {
     pub const fn restarts(&self) -> u32 {
         self.conditioner.restarts
     }
-}
-
-/// `value` limited to `low..=high` by two selections: unlike `f32::clamp` it cannot panic, and
-/// unlike `min`/`max` it does not call into a library on a Cortex-M4.
-#[inline]
-pub(crate) fn clamp(value: f32, low: f32, high: f32) -> f32 {
-    let value = if value < low { low } else { value };
-    if value > high { high } else { value }
 }

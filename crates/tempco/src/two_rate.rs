@@ -1,5 +1,7 @@
 //! The two-rate pair: thermal work at the temperature's slow rate, a subtraction at the gyro's.
 
+use core::hint::select_unpredictable;
+
 use crate::compensator::subtract;
 use crate::{Interval, Output, Status, Table, ThermalPoint, ThermalState};
 
@@ -7,7 +9,8 @@ use crate::{Interval, Output, Status, Table, ThermalPoint, ThermalState};
 ///
 /// Call [`update`](Self::update) at 1 to 100 Hz and [`compensate`](Self::compensate) for every
 /// gyro sample. Between two updates the bias moves in a straight line to its new value, so there
-/// is no step when an update comes; where an update is late the bias stays.
+/// is no step when an update comes; where an update is late the bias stays, and once it is late by
+/// a whole period [`Status::INTERVAL_INVALID`] says so.
 #[derive(Clone, Debug)]
 pub struct TwoRateCompensator<'t, const AXES: usize> {
     table: &'t Table<'t, AXES>,
@@ -16,7 +19,7 @@ pub struct TwoRateCompensator<'t, const AXES: usize> {
     bias: [f32; AXES],
     /// Change of the bias per gyro sample during the ramp.
     slope: [f32; AXES],
-    /// Gyro samples until the end of the ramp.
+    /// Gyro samples until the end of the ramp; below zero, since then.
     remaining: f32,
     samples_per_update: f32,
     updates_per_sample: f32,
@@ -35,19 +38,23 @@ impl<'t, const AXES: usize> TwoRateCompensator<'t, AXES> {
         } else {
             samples_per_update
         });
-        let mut unit = Self {
+        let point = ThermalPoint {
+            effective_c: table.thermal().settings().reference_c,
+            rate_c_per_min: 0.0,
+            status: Status::TEMPERATURE_LOST,
+        };
+        let (bias, status) = table.bias(&point);
+        Self {
             table,
             state: ThermalState::new(table.thermal()),
-            bias: [0.0; AXES],
+            bias,
             slope: [0.0; AXES],
             remaining: 0.0,
             samples_per_update: samples,
             updates_per_sample: 1.0 / samples,
-            point: ThermalPoint::default(),
-            status: Status::OK,
-        };
-        unit.start(f32::NAN);
-        unit
+            point,
+            status,
+        }
     }
 
     /// Starts at the first temperature after power-on \[degC\], without ramping to it.
@@ -78,9 +85,10 @@ impl<'t, const AXES: usize> TwoRateCompensator<'t, AXES> {
     /// No branch depends on the data.
     #[inline]
     pub fn compensate(&mut self, raw: [f32; AXES]) -> Output<AXES> {
-        let remaining = self.remaining - 1.0;
-        self.remaining = if remaining < 0.0 { 0.0 } else { remaining };
-        subtract(raw, self.present_bias(), self.point, self.status)
+        self.remaining -= 1.0;
+        let overdue = self.remaining < -self.samples_per_update;
+        let status = self.status | Status::INTERVAL_INVALID.when(overdue);
+        subtract(raw, self.present_bias(), self.point, status)
     }
 
     /// The state of the thermal path, for its counters.
@@ -90,6 +98,7 @@ impl<'t, const AXES: usize> TwoRateCompensator<'t, AXES> {
 
     #[inline]
     fn present_bias(&self) -> [f32; AXES] {
-        core::array::from_fn(|axis| self.bias[axis] - self.slope[axis] * self.remaining)
+        let remaining = select_unpredictable(self.remaining > 0.0, self.remaining, 0.0);
+        core::array::from_fn(|axis| self.bias[axis] - self.slope[axis] * remaining)
     }
 }

@@ -39,31 +39,23 @@ fn the_longest_interval_is_used_as_it_is() {
     assert_eq!(unit.thermal_state().restarts(), 1);
 }
 
+/// A temperature without time is not used: a dead clock must not look like a ramp.
 #[test]
 fn without_time_nothing_moves_and_nothing_heals() {
     for dt_s in [0.0, -0.0, -1.0, f32::NAN, f32::NEG_INFINITY] {
         let none = Interval::new(&THERMAL, dt_s);
         let mut unit = settled(40.0);
         let mut twin = unit.clone();
-        for out in [40.0, 41.0, 40.0].map(|temp| unit.step(&none, temp, RAW)) {
-            assert_eq!(out.status, INTERVAL, "{dt_s} s");
-            assert_eq!(out.point.effective_c, 40.0);
-        }
-        assert_eq!(
-            bits(&feed(&mut unit, [40.1])[0]),
-            bits(&feed(&mut twin, [40.1])[0])
-        );
-
-        // Bad temperatures age by time, not by their number; healing is by time as well.
-        for _ in 0..10_000 {
-            let out = unit.step(&none, f32::NAN, RAW);
+        for step in 0..10_000 {
+            let temp = [40.0 + step as f32 * 1e-3, f32::NAN][step % 2];
+            let out = unit.step(&none, temp, RAW);
+            assert!(out.status.contains(INTERVAL | Status::SETTLING), "{dt_s} s");
             assert!(!out.status.contains(Status::TEMPERATURE_LOST));
-        }
-        for _ in 0..10_000 {
-            let out = unit.step(&none, 40.1, RAW);
-            assert_eq!(out.status, INTERVAL | Status::SETTLING);
+            assert_eq!(out.point.effective_c, 40.0);
+            assert_eq!(out.point.rate_c_per_min, 0.0);
         }
         let after = feed(&mut unit, [40.1; HEAL_S]);
+        assert_eq!(bits(&after[0]), bits(&feed(&mut twin, [40.1])[0]));
         assert_eq!(after[HEAL_S - 2].status, Status::SETTLING);
         assert_eq!(after[HEAL_S - 1].status, Status::OK);
     }
@@ -74,12 +66,35 @@ fn a_duplicate_on_a_ramp_leaves_the_rate_where_it_was() {
     for dt_s in [0.0, -1.0] {
         let mut unit = on_ramp(30.0, 3.0);
         let out = unit.step(&Interval::new(&THERMAL, dt_s), 30.0, RAW);
-        assert_eq!(out.status, INTERVAL);
+        assert_eq!(out.status, INTERVAL | Status::SETTLING);
         assert!((out.point.rate_c_per_min / 3.0 - 1.0).abs() < 0.01);
         let out = feed(&mut unit, [30.05])[0];
         assert!((out.point.rate_c_per_min / 3.0 - 1.0).abs() < 1e-3);
-        assert_eq!(out.status, Status::OK);
     }
+}
+
+/// The gap is remembered until there is a temperature to begin anew with.
+#[test]
+fn a_gap_that_begins_with_a_bad_temperature_restarts_all_the_same() {
+    let mut unit = on_ramp(30.0, 2.0);
+    let out = unit.step(&Interval::new(&THERMAL, 40.0), f32::NAN, RAW);
+    assert!(out.status.contains(INTERVAL | Status::TEMPERATURE_INVALID));
+    let out = feed(&mut unit, [31.0])[0];
+    assert_eq!(
+        (out.point.rate_c_per_min, out.status),
+        (0.0, Status::SETTLING)
+    );
+    assert_eq!(unit.thermal_state().restarts(), 2);
+}
+
+/// The hold time and what the part can have reached count the whole gap.
+#[test]
+fn an_hour_is_an_hour() {
+    let hour = Interval::new(&THERMAL, 3600.0);
+    let lost = settled(30.0).step(&hour, f32::NAN, RAW);
+    assert!(lost.status.contains(Status::TEMPERATURE_LOST));
+    let warmer = settled(30.0).step(&hour, 50.0, RAW);
+    assert_eq!(warmer.status, INTERVAL | Status::SETTLING);
 }
 
 #[test]

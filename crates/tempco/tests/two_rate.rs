@@ -110,10 +110,24 @@ fn start_jumps_also_in_the_middle_of_a_ramp() {
     take(&mut unit, 30);
     unit.start(-20.0);
     let expected = started(SAMPLES, -20.0).compensate(RAW);
-    for out in take(&mut unit, 300) {
+    for out in take(&mut unit, usize::from(SAMPLES)) {
         assert_eq!(bits(&out), bits(&expected));
         assert_eq!(out.status, Status::SETTLING);
     }
+}
+
+/// A thermal task that died must not go unseen.
+#[test]
+fn an_update_that_is_overdue_by_a_period_is_flagged() {
+    let mut unit = started(SAMPLES, 30.0);
+    unit.update(&SECOND, 30.0);
+    let period = usize::from(SAMPLES);
+    let overdue = |out: &tempco::Output<2>| out.status.contains(Status::INTERVAL_INVALID);
+    assert!(!take(&mut unit, 2 * period).iter().any(overdue));
+    assert!(take(&mut unit, 20 * period).iter().all(overdue));
+    unit.update(&SECOND, 30.0);
+    assert!(!take(&mut unit, 2 * period).iter().any(overdue));
+    assert_eq!(unit.thermal_state().rejected(), 0);
 }
 
 #[test]
