@@ -8,7 +8,12 @@ use std::sync::OnceLock;
 
 use tempco_qemu::Workspace;
 
-/// Columns of the printed coefficients that the paper's table 2 has.
+/// The Rust in the README is compiled and run.
+#[cfg(doctest)]
+#[doc = include_str!("../../README.md")]
+pub struct Readme;
+
+/// The segments of the paper, in degC.
 pub const PAPER_SEGMENTS: &str = "-15:15,5:35,25:60,50:80";
 
 /// The root of the workspace.

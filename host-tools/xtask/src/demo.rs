@@ -9,6 +9,7 @@ use anyhow::{Context, Result, ensure};
 use serde_json::Value;
 use tempco_qemu::{Workspace, ensure_qemu, ensure_target};
 
+use crate::figure;
 use crate::run::{build_tempco, run as step, run_and_read};
 
 /// The paper's segments \[degC\].
@@ -76,6 +77,14 @@ fn run_in(workspace: &Workspace, folder: &Path) -> Result<()> {
         serde_json::from_slice(&output.stdout).context("the evaluation is not JSON")
     });
     compare_models(&of_static?, &of_composite?)?;
+    let applied = path("compensated.csv");
+    step(
+        workspace,
+        &mut tempco(&["apply", &sets[1], &verification, "--out", &applied]),
+    )?;
+    let picture = folder.join("verification.svg");
+    figure::draw(Path::new(&applied), &picture)?;
+    println!("drew {}", picture.display());
 
     println!("\n4. The composite table is compiled into firmware, and the verification log is");
     println!("   replayed through it on two emulated boards.");

@@ -2,6 +2,7 @@
 
 mod bench;
 mod demo;
+mod figure;
 mod run;
 mod test;
 

@@ -136,7 +136,7 @@ pub fn write_files(folder: &Path, files: &[(&str, &[u8])]) -> io::Result<()> {
 fn replace_all(folder: &Path, files: &[(&str, &[u8])]) -> io::Result<()> {
     let mut written = Vec::new();
     for (name, contents) in files {
-        let mut file = tempfile::NamedTempFile::new_in(folder)?;
+        let mut file = new_file_in(folder)?;
         file.write_all(contents)?;
         file.as_file().sync_all()?;
         let path = folder.join(name);
@@ -163,6 +163,14 @@ fn replace_all(folder: &Path, files: &[(&str, &[u8])]) -> io::Result<()> {
         }
     }
     Ok(())
+}
+
+/// A temporary file that others may read once it has its name, as far as the user's mask allows.
+fn new_file_in(folder: &Path) -> io::Result<tempfile::NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    builder.tempfile_in(folder)
 }
 
 #[cfg(test)]
