@@ -82,7 +82,7 @@ fn panel<DB: DrawingBackend>(
     if traces.len() > 1 {
         chart
             .configure_series_labels()
-            .position(SeriesLabelPosition::UpperRight)
+            .position(SeriesLabelPosition::UpperMiddle)
             .background_style(WHITE.mix(0.8))
             .draw()?;
     }
