@@ -22,7 +22,7 @@ pub(crate) struct Args {
     /// Log to judge on, best one that the set was not fitted to (CSV)
     #[arg(value_name = "LOG.csv")]
     log: PathBuf,
-    /// Averaging time [s]
+    /// Averaging time, in s
     #[arg(
         long,
         value_name = "S",

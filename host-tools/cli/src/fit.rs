@@ -36,16 +36,16 @@ pub(crate) struct Args {
     /// Segments in degC, such as "-15:15,5:35,25:60,50:80"; without, the measured range is divided
     #[arg(long, value_name = "MIN:MAX,...", allow_hyphen_values = true)]
     segments: Option<Segmentation>,
-    /// Time constant of the rate estimator [s]
+    /// Time constant of the rate estimator, in s
     #[arg(long, value_name = "S", default_value_t = ThermalSettings::DEFAULT.tau_s, allow_negative_numbers = true)]
     rate_tau: f32,
     /// Shift of the effective temperature u = T - kappa (T - L); 0 is the paper
     #[arg(long, default_value_t = ThermalSettings::DEFAULT.kappa, allow_negative_numbers = true)]
     kappa: f32,
-    /// Fastest believable change of temperature [degC/min]
+    /// Fastest believable change of temperature, in degC/min
     #[arg(long, value_name = "RATE", default_value_t = ThermalSettings::DEFAULT.max_slew_c_per_min, allow_negative_numbers = true)]
     max_slew: f32,
-    /// Averaging time of the printed figures [s]
+    /// Averaging time of the printed figures, in s
     #[arg(
         long,
         value_name = "S",

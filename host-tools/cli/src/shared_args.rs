@@ -10,16 +10,16 @@ use tempco_fit::unit::COLUMN_UNITS;
 #[derive(clap::Args)]
 #[command(next_help_heading = "Reading logs")]
 pub(crate) struct LogArgs {
-    /// Time column [s], instead of `time_s`
+    /// Time column, in seconds, instead of `time_s`
     #[arg(long, value_name = "COL")]
     time: Option<String>,
-    /// Temperature column [degC], instead of `temp_c`; AXIS=COL for one per axis (repeat)
+    /// Temperature column, in degC, instead of `temp_c`; AXIS=COL for one per axis (repeat)
     #[arg(long, value_name = "[AXIS=]COL", value_parser = temp_column)]
     temp: Vec<TempColumn>,
     /// Axis column with its unit; only the axes named so are read (repeat)
     #[arg(long, value_name = "NAME=COL:UNIT", value_parser = axis_column)]
     axis: Vec<AxisColumn>,
-    /// Angle per pulse [arcsec]: turns pulse counts into deg/h
+    /// Angle per pulse, in arcsec: turns pulse counts into deg/h
     #[arg(long, value_name = "ARCSEC", allow_negative_numbers = true)]
     pub(crate) scale_factor: Option<f64>,
     /// Leave out rows with bad cells and count them, instead of refusing the log
