@@ -1,5 +1,6 @@
 //! The printed tables of Weng et al., Sensors 2020, 20(2), 377.
 
+use tempco_fit::load_set;
 use tempco_fit::set::CoefficientSet;
 use tempco_tests::{Bench, shared};
 
@@ -37,7 +38,7 @@ fn the_printed_coefficients_load_and_z_raises_the_alarm() {
     for mismatch in ["0.0034", "0.0272", "0.0072", "0.0522"] {
         assert!(ran.out.contains(mismatch), "{mismatch} in\n{}", ran.out);
     }
-    let set = CoefficientSet::read(&bench.path("table2.csv")).unwrap();
+    let set = load_set(&bench.path("table2.csv")).unwrap();
     assert_mismatches(&set, "x", &[0.0034, 0.0272, 0.0072]);
     assert_mismatches(&set, "z", &[0.0201, 0.0236, 0.0522]);
 
@@ -59,7 +60,7 @@ fn the_whole_printed_table_loads() {
     let bench = Bench::new();
     let ran = bench.run(&format!("inspect {}", path.display()));
     assert_eq!(ran.code, 1, "{}", ran.err);
-    let set = CoefficientSet::read(&path).unwrap();
+    let set = load_set(&path).unwrap();
     assert_mismatches(&set, "x", &[0.0034, 0.0272, 0.0072]);
     // Y as printed, with the doubtful sign of its first segment.
     assert_mismatches(&set, "y", &[0.0164, 0.0125, 0.0195]);

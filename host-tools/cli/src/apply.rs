@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result};
 use tempco::Status;
 use tempco_fit::apply::{Applied, apply, inputs};
+use tempco_fit::load_set;
 use tempco_fit::log::Log;
 use tempco_fit::set::{CoefficientSet, write_files};
 
@@ -33,7 +34,7 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(args: &Args) -> Result<Verdict> {
-    let set = CoefficientSet::read(&args.set)?;
+    let set = load_set(&args.set)?;
     let log = args
         .reading
         .read(&args.log, set.settings.scale_factor_arcsec)?;

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use anyhow::{Result, anyhow, ensure};
 use tempco_fit::apply::apply;
+use tempco_fit::load_set;
 use tempco_fit::metrics::{Evaluation, evaluate};
-use tempco_fit::set::CoefficientSet;
 
 use crate::Verdict;
 use crate::output::{figure, percent, print, table};
@@ -43,7 +43,7 @@ pub(crate) fn run(args: &Args) -> Result<Verdict> {
         "--tau {}: expected seconds, above 0",
         args.tau
     );
-    let set = CoefficientSet::read(&args.set)?;
+    let set = load_set(&args.set)?;
     let log = args
         .reading
         .read(&args.log, set.settings.scale_factor_arcsec)?;

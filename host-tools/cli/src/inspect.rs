@@ -3,7 +3,8 @@
 use std::path::PathBuf;
 
 use anyhow::Result;
-use tempco_fit::set::{ChannelSet, CoefficientSet, MISMATCH_ALARM};
+use tempco_fit::load_set;
+use tempco_fit::set::{ChannelSet, MISMATCH_ALARM};
 
 use crate::Verdict;
 use crate::output::{figure, print, table};
@@ -21,7 +22,7 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(args: &Args) -> Result<Verdict> {
-    let set = CoefficientSet::read(&args.set)?;
+    let set = load_set(&args.set)?;
     print(format_args!(
         "unit {}, {} model, {} overlap, table CRC-32P4 {}",
         set.serial,

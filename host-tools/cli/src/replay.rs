@@ -6,6 +6,7 @@ use anyhow::{Context, Result, anyhow, ensure};
 use clap::ValueEnum;
 use tempco::Table;
 use tempco_fit::apply::{ChannelInputs, inputs};
+use tempco_fit::load_set;
 use tempco_fit::log::Log;
 use tempco_fit::set::{CoefficientSet, table_rs, write_files};
 use tempco_qemu::{Board, Workspace, build, ensure_qemu, ensure_target, replay};
@@ -44,7 +45,7 @@ enum Target {
 }
 
 pub(crate) fn run(args: &Args) -> Result<Verdict> {
-    let set = CoefficientSet::read(&args.set)?;
+    let set = load_set(&args.set)?;
     let log = args
         .reading
         .read(&args.log, set.settings.scale_factor_arcsec)?;

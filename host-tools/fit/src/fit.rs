@@ -1,13 +1,13 @@
 //! The fit: logs in, coefficient set out.
 
-use tempco::{TableError, Thermal, ThermalPoint, ThermalSettings};
+use tempco::{TableError, Thermal, ThermalSettings};
 use thiserror::Error;
 
 use crate::apply::ApplyError;
 use crate::assemble::{self, Fitted};
 use crate::log::Log;
 use crate::model::Polynomial;
-use crate::regress::{is_usable, thermal_points};
+use crate::regress::{ChannelData, is_usable};
 use crate::segment::{Overlap, Segment, SegmentError, Segmentation};
 use crate::set::{
     AxisSet, ChannelSet, CoefficientSet, Input, Model, Provenance, SegmentSet, Settings,
@@ -101,55 +101,6 @@ pub fn fit(logs: &[Log], options: &FitOptions) -> Result<Fit, FitError> {
     statistics::note(&mut set, logs, &data, options.tau_s)?;
     remark_on_set(&set, &mut remarks);
     Ok(Fit { set, remarks })
-}
-
-/// The rows of one channel in all logs, with the core's regressors.
-pub(crate) struct ChannelData<'a> {
-    pub(crate) logs: &'a [Log],
-    pub(crate) channel: usize,
-    pub(crate) points: Vec<Vec<ThermalPoint>>,
-}
-
-impl<'a> ChannelData<'a> {
-    fn new(logs: &'a [Log], channel: usize, thermal: &Thermal) -> Self {
-        let points = logs
-            .iter()
-            .map(|log| thermal_points(log, channel, thermal))
-            .collect();
-        Self {
-            logs,
-            channel,
-            points,
-        }
-    }
-
-    /// Usable rows: the point and the values of all axes.
-    pub(crate) fn rows(&self) -> impl Iterator<Item = (&ThermalPoint, impl Iterator<Item = f64>)> {
-        self.logs
-            .iter()
-            .zip(&self.points)
-            .flat_map(|(log, points)| {
-                let axes = &log.channels[self.channel].axes;
-                let usable = points
-                    .iter()
-                    .enumerate()
-                    .filter(|(_, point)| is_usable(point));
-                usable.map(move |(row, point)| (point, axes.iter().map(move |axis| axis.raw[row])))
-            })
-    }
-
-    pub(crate) fn axes(&self) -> usize {
-        self.logs[0].channels[self.channel].axes.len()
-    }
-
-    /// Lowest and highest of a figure of the usable rows.
-    pub(crate) fn range(&self, figure: impl Fn(&ThermalPoint) -> f32) -> (f32, f32) {
-        self.rows()
-            .map(|(point, _)| figure(point))
-            .fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), value| {
-                (low.min(value), high.max(value))
-            })
-    }
 }
 
 fn fit_channel(

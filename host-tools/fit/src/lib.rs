@@ -14,6 +14,8 @@
 pub mod apply;
 mod assemble;
 pub mod fit;
+mod import;
+mod load;
 pub mod log;
 pub mod metrics;
 pub mod model;
@@ -26,6 +28,6 @@ mod statistics;
 mod tabulate;
 pub mod unit;
 
+pub use load::{SetError, load_set};
 pub use regress::thermal_points;
 pub use solve::TERMS;
-pub use statistics::AxisStatistics;

@@ -1,41 +1,12 @@
 //! How well a finished set does on the logs it was fitted to, beside a plain cubic in T.
 
-use serde::{Deserialize, Serialize};
-
 use crate::apply::{ApplyError, apply};
-use crate::fit::ChannelData;
 use crate::log::Log;
 use crate::metrics::Means;
+use crate::regress::ChannelData;
 use crate::rfactor::RFactor;
 use crate::segment::Segment;
-use crate::set::CoefficientSet;
-
-/// Figures of an axis over the fitted logs \[unit of the axis\].
-///
-/// `rmse` figures are of single rows, `sigma` figures of means over `tau_s`; each about the mean
-/// of the log it belongs to. `cubic` is one cubic in T, fitted to the same rows for comparison.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct AxisStatistics {
-    /// Rows.
-    pub rows: usize,
-    /// RMS without compensation.
-    pub rmse_raw: f64,
-    /// RMS with the cubic.
-    pub rmse_cubic: f64,
-    /// RMS with the emitted table, applied by the core.
-    pub rmse_compensated: f64,
-    /// Averaging time \[s\].
-    pub tau_s: f64,
-    /// Number of means.
-    pub n: usize,
-    /// Bias stability at `tau_s` without compensation.
-    pub sigma_raw: f64,
-    /// Bias stability at `tau_s` with the cubic.
-    pub sigma_cubic: f64,
-    /// Bias stability at `tau_s` with the emitted table, applied by the core.
-    pub sigma_compensated: f64,
-}
+use crate::set::{AxisStatistics, CoefficientSet};
 
 /// Applies the set to the logs by the core and notes the figures of each axis in it.
 pub(crate) fn note(

@@ -1,21 +1,15 @@
 //! The coefficient set: everything that was fitted, in f64, and the table that flies, in f32.
 
 mod emit;
-mod import;
 mod table;
 
 pub use emit::{table_rs, write_files};
 pub use table::{TableData, ThermalData};
 
-use std::fs;
-use std::path::{Path, PathBuf};
-
 use serde::{Deserialize, Serialize};
-use thiserror::Error;
 
 use crate::model::{Mismatch, Polynomial, mismatches};
 use crate::segment::{Overlap, Segment, SegmentError, Segmentation};
-use crate::statistics::AxisStatistics;
 use crate::unit::AxisUnit;
 
 /// Version of the JSON format; a reader refuses another one.
@@ -164,36 +158,53 @@ pub struct AxisSet {
     pub statistics: Option<AxisStatistics>,
 }
 
+/// Figures of an axis over the fitted logs \[unit of the axis\].
+///
+/// `rmse` figures are of single rows, `sigma` figures of means over `tau_s`; each about the mean
+/// of the log it belongs to. `cubic` is one cubic in T, fitted to the same rows for comparison.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct AxisStatistics {
+    /// Rows.
+    pub rows: usize,
+    /// RMS without compensation.
+    pub rmse_raw: f64,
+    /// RMS with the cubic.
+    pub rmse_cubic: f64,
+    /// RMS with the emitted table, applied by the core.
+    pub rmse_compensated: f64,
+    /// Averaging time \[s\].
+    pub tau_s: f64,
+    /// Number of means.
+    pub n: usize,
+    /// Bias stability at `tau_s` without compensation.
+    pub sigma_raw: f64,
+    /// Bias stability at `tau_s` with the cubic.
+    pub sigma_cubic: f64,
+    /// Bias stability at `tau_s` with the emitted table, applied by the core.
+    pub sigma_compensated: f64,
+}
+
 impl CoefficientSet {
-    /// Reads a set from `coefficients.json`, or a table of static coefficients from CSV.
+    /// Reads a set from the text of `coefficients.json`.
     ///
     /// # Errors
-    /// An unreadable or damaged file: not the format, another version, a table that the core
-    /// refuses, or a CRC that does not belong to the numbers.
-    pub fn read(path: &Path) -> Result<Self, SetError> {
-        let text = fs::read_to_string(path).map_err(|source| SetError::Io {
-            path: path.to_owned(),
-            source,
-        })?;
-        let refuse = |message: String| SetError::Refused {
-            path: path.to_owned(),
-            message,
-        };
-        if path.extension().is_some_and(|extension| extension == "csv") {
-            return import::static_coefficients(path, &text).map_err(refuse);
-        }
-        let set: Self = serde_json::from_str(&text).map_err(|error| {
-            refuse(format!(
+    /// Says what is wrong: not the format, another version, a table that the core refuses, or a
+    /// CRC that does not belong to the numbers.
+    pub fn from_json(text: &str) -> Result<Self, String> {
+        let set: Self = serde_json::from_str(text).map_err(|error| {
+            format!(
                 "line {}, column {}: {error}; expected a coefficient set written by `tempco fit`",
                 error.line(),
                 error.column()
-            ))
+            )
         })?;
-        set.check().map_err(refuse)?;
+        set.check()?;
         Ok(set)
     }
 
-    fn check(&self) -> Result<(), String> {
+    /// Checks what the types cannot.
+    pub(crate) fn check(&self) -> Result<(), String> {
         if self.format != "tempco-coefficients" || self.format_version != FORMAT_VERSION {
             return Err(format!(
                 "format {} version {}: expected tempco-coefficients version {FORMAT_VERSION}",
@@ -279,26 +290,4 @@ impl ChannelSet {
             .iter()
             .any(|mismatch| mismatch.overlap_mismatch > limit)
     }
-}
-
-/// A coefficient set was refused.
-#[derive(Debug, Error)]
-#[non_exhaustive]
-pub enum SetError {
-    /// The file cannot be read.
-    #[error("{}: {source}", path.display())]
-    Io {
-        /// The file.
-        path: PathBuf,
-        /// What the system says.
-        source: std::io::Error,
-    },
-    /// The contents are unusable.
-    #[error("{}: {message}", path.display())]
-    Refused {
-        /// The file.
-        path: PathBuf,
-        /// What was found and what was expected.
-        message: String,
-    },
 }

@@ -10,10 +10,11 @@ use serde::Deserialize;
 use sha2::{Digest, Sha256};
 use tempco::ThermalSettings;
 
-use super::{AxisSet, CoefficientSet, Input, Model, Polynomial, Provenance, SegmentSet, Settings};
 use crate::assemble::{self, Fitted};
 use crate::log::hex;
+use crate::model::Polynomial;
 use crate::segment::{Overlap, Segment, Segmentation};
+use crate::set::{AxisSet, CoefficientSet, Input, Model, Provenance, SegmentSet, Settings};
 use crate::solve::TERMS;
 use crate::unit::AxisUnit;
 
@@ -29,7 +30,7 @@ struct Row {
     a2_pulses_per_c2: Option<f64>,
 }
 
-pub(super) fn static_coefficients(path: &Path, text: &str) -> Result<CoefficientSet, String> {
+pub(crate) fn static_coefficients(path: &Path, text: &str) -> Result<CoefficientSet, String> {
     let mut reader = csv::Reader::from_reader(text.as_bytes());
     let mut gyros: Vec<(String, Vec<Segment>, Vec<Polynomial>)> = Vec::new();
     let mut rows = 0;
