@@ -38,8 +38,13 @@ pub(crate) fn figure(value: f64) -> String {
     }
 }
 
+/// A share in per cent; nothing where it could not be formed.
 pub(crate) fn percent(share: f64) -> String {
-    format!("{:+.1} %", 100.0 * share)
+    if share.is_finite() {
+        format!("{:+.1} %", 100.0 * share)
+    } else {
+        "-".to_owned()
+    }
 }
 
 pub(crate) fn is_broken_pipe(error: &anyhow::Error) -> bool {

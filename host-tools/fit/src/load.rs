@@ -13,9 +13,9 @@ use crate::set::CoefficientSet;
 /// # Errors
 /// An unreadable file, or one whose contents are no set; see [`CoefficientSet::from_json`].
 pub fn load_set(path: &Path) -> Result<CoefficientSet, SetError> {
-    let text = fs::read_to_string(path).map_err(|source| SetError::Io {
+    let text = fs::read_to_string(path).map_err(|cause| SetError::Io {
         path: path.to_owned(),
-        source,
+        cause,
     })?;
     let is_csv = path.extension().is_some_and(|extension| extension == "csv");
     let set = if is_csv {
@@ -34,12 +34,12 @@ pub fn load_set(path: &Path) -> Result<CoefficientSet, SetError> {
 #[non_exhaustive]
 pub enum SetError {
     /// The file cannot be read.
-    #[error("{}: {source}", path.display())]
+    #[error("{}: {cause}", path.display())]
     Io {
         /// The file.
         path: PathBuf,
         /// What the system says.
-        source: std::io::Error,
+        cause: std::io::Error,
     },
     /// The contents are unusable.
     #[error("{}: {message}", path.display())]

@@ -112,8 +112,10 @@ impl Grid {
                     r: r.map(|value| value as f32),
                 });
             }
-            if worst > 0.0 {
-                deviation = deviation.max(worst / (most - least).max(f64::MIN_POSITIVE));
+            // A bias that hardly moves is not followed beyond the precision of f32.
+            let range = (most - least).max(1e-6 * most.abs().max(least.abs()));
+            if range > 0.0 {
+                deviation = deviation.max(worst / range);
             }
         }
         Cells {
@@ -176,6 +178,18 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn a_constant_needs_one_cell() {
+        let segmentation: Segmentation = "10:40".parse().unwrap();
+        let constant = Polynomial::new(&segmentation.segments()[0], &[1.0 / 3.0, 1e-17]);
+        let axis = AxisModel {
+            polynomials: &[constant],
+            overlap: Overlap::Linear,
+        };
+        let table = tabulate(&segmentation, &[axis], (-1.0, 1.0));
+        assert_eq!(table.cells.len(), 1);
     }
 
     #[test]

@@ -13,6 +13,9 @@ use crate::unit::{AxisUnit, ColumnUnit};
 /// Temperatures outside this range \[degC\] are taken for a wrong unit, not for a reading.
 const PLAUSIBLE_TEMP_C: std::ops::RangeInclusive<f64> = -100.0..=200.0;
 
+/// Values beyond this magnitude are no measurement of anything, and the core could not hold them.
+const LARGEST_VALUE: f64 = 1e20;
+
 /// How to read a log.
 #[derive(Clone, Debug, Default)]
 pub struct ReadOptions {
@@ -180,7 +183,11 @@ impl<'a> Rows<'a> {
     fn number(&self, record: &ByteRecord, line: u64, position: usize) -> Result<f64, LogError> {
         let cell = record[position].trim_ascii();
         match fast_float2::parse::<f64, _>(cell) {
-            Ok(value) if value.is_finite() => Ok(value),
+            Ok(value) if value.abs() <= LARGEST_VALUE => Ok(value),
+            Ok(value) if value.is_finite() => {
+                let message = format!("{value:e}: expected a magnitude of 1e20 at most");
+                Err(self.cell(line, position, message))
+            }
             _ => {
                 let found = String::from_utf8_lossy(cell);
                 let found = match found.is_empty() {
@@ -315,6 +322,10 @@ mod tests {
             (
                 "0,20,1\n1,20,\n",
                 ":3:3: column `x_dph`: an empty cell: expected a finite number",
+            ),
+            (
+                "0,20,1\n1,20,-1e300\n",
+                ":3:3: column `x_dph`: -1e300: expected a magnitude of 1e20 at most",
             ),
             (
                 "0,20,1\n1,20,inf\n",
