@@ -119,16 +119,27 @@ fn a_damaged_set_is_refused() {
     bench.ok("simulate --unit paper --profile short --seed 6 --out log.csv");
     bench.ok("fit log.csv --serial S1 --out set --segments 6:45");
     let json = std::fs::read_to_string(bench.path("set/coefficients.json")).unwrap();
-    let mut set: Value = serde_json::from_str(&json).unwrap();
-    set["channels"][0]["table"]["cells"][0][0][1] = Value::from(0.5);
-    bench.write("changed.json", &set.to_string());
+    for (file, change) in [
+        ("cell.json", &["cells", "0", "0", "1"][..]),
+        ("tau.json", &["thermal", "tau_s"]),
+        ("range.json", &["t_max_c"]),
+    ] {
+        let mut set: Value = serde_json::from_str(&json).unwrap();
+        let number = set
+            .pointer_mut(&format!("/channels/0/table/{}", change.join("/")))
+            .unwrap();
+        *number = Value::from(number.as_f64().unwrap() * 0.999);
+        bench.write(file, &set.to_string());
+    }
     bench.write("cut.json", &json[..json.len() / 2]);
     bench.write(
         "other.json",
         &json.replace("\"format_version\": 1", "\"format_version\": 2"),
     );
     for (file, part) in [
-        ("changed.json", "damaged or changed by hand"),
+        ("cell.json", "damaged or changed by hand"),
+        ("tau.json", "damaged or changed by hand"),
+        ("range.json", "damaged or changed by hand"),
         ("cut.json", "expected a coefficient set"),
         ("other.json", "expected tempco-coefficients version 1"),
         ("none.json", "none.json: No such file"),

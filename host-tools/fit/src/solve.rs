@@ -149,6 +149,9 @@ mod tests {
     fn one_soak_or_too_few_rows_are_refused() {
         let soak = (0..500).map(|i| (0.3 + 1e-3 * f64::from(i % 3), 0.0));
         assert!(matches!(fit(soak), Err(Unfit::Span(_))));
+        // A tenth of the segment, though passed at two rates.
+        let narrow = up_and_down(1.0, -1.0).map(|(z, rate)| (0.1 * z, rate));
+        assert_eq!(fit(narrow), Err(Unfit::Span(10.0)));
         let few = up_and_down(1.0, -1.0).step_by(40);
         assert!(matches!(fit(few), Err(Unfit::Rows(26))));
     }

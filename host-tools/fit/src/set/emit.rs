@@ -184,7 +184,13 @@ mod tests {
         write_files(&out, &[("a", b"1"), ("b", b"2")]).unwrap();
         assert_eq!(fs::read(out.join("b")).unwrap(), b"2");
 
-        // A folder where a file should go makes the second move fail.
+        // A folder that is not there makes the second move fail, after the first one.
+        assert!(write_files(&out, &[("a", b"3"), ("no/b", b"4")]).is_err());
+        assert_eq!(fs::read(out.join("a")).unwrap(), b"1");
+        assert!(write_files(&out, &[("c", b"3"), ("no/b", b"4")]).is_err());
+        assert_eq!(fs::read_dir(&out).unwrap().count(), 2);
+
+        // A folder where a file should go is seen before anything is moved.
         fs::remove_file(out.join("b")).unwrap();
         fs::create_dir(out.join("b")).unwrap();
         assert!(write_files(&out, &[("a", b"3"), ("b", b"4")]).is_err());
