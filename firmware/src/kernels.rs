@@ -79,7 +79,7 @@ pub fn compensate<const A: usize>(
     inputs: &Inputs<A>,
     out: &mut Output<A>,
 ) {
-    *out = units.two_rate.compensate(inputs.raw);
+    out.compensated = units.two_rate.compensate(inputs.raw);
 }
 
 /// [`Interval::new`]: what a varying sample time costs on top.
