@@ -185,7 +185,12 @@ impl ThermalState {
     pub fn start(&mut self, thermal: &Thermal, temp_c: f32) -> ThermalPoint {
         *self = Self::new(thermal);
         let Some(conditioner) = Conditioner::start(thermal, temp_c) else {
-            return self.update(thermal, &Interval::new(thermal, 0.0), f32::NAN);
+            // Counted as rejected; that no time has passed is no remark at power-on.
+            let point = self.update(thermal, &Interval::new(thermal, 0.0), f32::NAN);
+            return ThermalPoint {
+                status: Status::TEMPERATURE_INVALID | Status::TEMPERATURE_LOST | Status::SETTLING,
+                ..point
+            };
         };
         self.conditioner = conditioner;
         self.estimator = RateEstimator::new(temp_c);
