@@ -3,6 +3,7 @@
 //! - [`app`]: the application, generic over `embedded-io`; runs and is tested on the host too
 //! - [`table`]: the coefficient table built into the image
 //! - [`board`]: what differs between boards
+//! - [`baselines`]: what is usually done instead
 //! - [`kernels`]: the functions whose instructions the `bench` image counts
 //! - `target`: semihosting, panics and faults; only on a target
 //!
@@ -10,6 +11,7 @@
 #![no_std]
 
 pub mod app;
+pub mod baselines;
 pub mod board;
 pub mod kernels;
 pub mod table;

@@ -43,35 +43,20 @@ impl<'t, const AXES: usize> Compensator<'t, AXES> {
     ///
     /// # Timing
     /// No branch depends on the data: a NaN costs what a good sample costs.
-    #[inline]
+    #[inline(always)]
     pub fn step(&mut self, interval: &Interval, temp_c: f32, raw: [f32; AXES]) -> Output<AXES> {
         let point = self.state.update(self.table.thermal(), interval, temp_c);
         let (bias, status) = self.table.bias(&point);
-        subtract(raw, bias, point, status)
+        Output {
+            compensated: core::array::from_fn(|axis| raw[axis] - bias[axis]),
+            bias,
+            point,
+            status: status | Status::of_raw(&raw),
+        }
     }
 
     /// The state of the thermal path, for its counters.
     pub const fn thermal_state(&self) -> &ThermalState {
         &self.state
-    }
-}
-
-/// Takes the bias out of a sample and checks the sample: `0 x` is 0 unless `x` is NaN or infinite.
-#[inline]
-pub(crate) fn subtract<const AXES: usize>(
-    raw: [f32; AXES],
-    bias: [f32; AXES],
-    point: ThermalPoint,
-    status: Status,
-) -> Output<AXES> {
-    let mut check = 0.0;
-    for value in raw {
-        check += value * 0.0;
-    }
-    Output {
-        compensated: core::array::from_fn(|axis| raw[axis] - bias[axis]),
-        bias,
-        point,
-        status: status | Status::RAW_INVALID.when(check != 0.0),
     }
 }

@@ -1,105 +1,118 @@
 //! Decides which temperatures to believe, before anything is differentiated.
 
-use core::hint::select_unpredictable;
-
+use crate::Thermal;
 use crate::interval::Interval;
-use crate::{Status, Thermal};
+use crate::sign::{Sign, magnitude};
 
 /// The last believed temperature and the memory of faults.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[repr(C, align(8))]
 pub(crate) struct Conditioner {
-    temp_c: f32,
-    /// The last temperature within the sensor's range, believed or not \[degC\].
-    candidate_c: f32,
-    /// Time since `temp_c` was measured \[ticks\].
+    /// Time since a temperature was believed \[ticks\].
     age: i32,
-    /// Time for which the status still says settling \[ticks\].
-    settling: i32,
+    /// Time since the status ceased to say settling; negative, until it will \[ticks\].
+    settled: i32,
     pub(crate) rejected: u32,
     pub(crate) restarts: u32,
+    /// The temperature gone on with: the last believed one, or once that is lost, the last
+    /// reading, which the next one may confirm \[degC\].
+    temp_c: f32,
 }
 
 /// A temperature to go on with.
 pub(crate) struct Conditioned {
-    /// The present temperature if believed, else the last one that was \[degC\].
+    /// The present temperature if it is taken, else the last one that was \[degC\].
     pub(crate) temp_c: f32,
-    /// The part of the change from the last believed temperature that is no movement of the part
-    /// and from which no rate may be derived \[degC\].
-    pub(crate) shift_c: f32,
+    /// The change from the one before \[degC\].
+    pub(crate) change_c: f32,
+    /// The change is a movement of the part, from which a rate may be derived, or there is none.
+    pub(crate) moved: Sign,
     /// Nothing was believed for longer than the hold time.
-    pub(crate) lost: bool,
-    pub(crate) status: Status,
+    pub(crate) lost: Sign,
+    pub(crate) settling: Sign,
+    pub(crate) impossible: Sign,
+    pub(crate) spike: Sign,
 }
 
 impl Conditioner {
+    /// Nothing was ever believed.
     pub(crate) const fn new(reference_c: f32) -> Self {
         Self {
-            temp_c: reference_c,
-            candidate_c: f32::NAN,
             age: i32::MAX,
-            settling: 0,
+            settled: 0,
             rejected: 0,
             restarts: 0,
+            temp_c: reference_c,
         }
     }
 
-    /// Makes the next temperature, if it is `temp_c`, believed without a second one that agrees.
-    pub(crate) fn trust(&mut self, temp_c: f32) {
-        self.candidate_c = temp_c;
+    /// Believes a first temperature, if the sensor can report it.
+    pub(crate) fn start(thermal: &Thermal, temp_c: f32) -> Option<Self> {
+        let in_range = Self::beyond_sensor(thermal, temp_c).0 >= 0;
+        in_range.then_some(Self {
+            age: 0,
+            settled: thermal.settling,
+            rejected: 0,
+            restarts: 1,
+            temp_c,
+        })
     }
 
     /// A temperature is believed if the sensor can report it and the part can have reached it
     /// since the last believed one; once the temperature was lost, if it agrees with the reading
-    /// before it. NaN fails every comparison.
+    /// before it.
     ///
-    /// All of it is computed for every sample: `&` and `|` instead of `&&` and `||`, and selections
-    /// that the compiler cannot gather into a branch.
-    #[inline]
+    /// All of it is computed for every sample.
+    #[inline(always)]
     pub(crate) fn update(
         &mut self,
         thermal: &Thermal,
         interval: &Interval,
         temp_c: f32,
     ) -> Conditioned {
-        let settings = &thermal.settings;
-        let was_lost = self.age > thermal.hold_ticks;
+        let healing = thermal.healing.saturating_sub(self.age);
+        let was_lost = Sign::above(self.age, thermal.hold_ticks);
         let age = self.age.saturating_add(interval.ticks);
-        let near_c = settings.spike_gate_c + interval.slew_c;
-        let far_c = settings.spike_gate_c + thermal.slew_c_per_tick * age as f32;
 
-        let in_range = (temp_c >= settings.sensor_min_c) & (temp_c <= settings.sensor_max_c);
+        let impossible = Self::beyond_sensor(thermal, temp_c);
         let change_c = temp_c - self.temp_c;
-        let agrees = (temp_c - self.candidate_c).abs() <= near_c;
-        let reachable = change_c.abs() <= far_c;
-        let plausible = select_unpredictable(was_lost, agrees, reachable);
-        let believed = in_range & plausible & interval.forward;
-        let stepped = change_c.abs() > near_c;
-        let restart = believed & (stepped | (age > thermal.restart_ticks));
+        let change = magnitude(change_c);
+        let far_c = interval.gate_c + thermal.slew_c_per_tick * age as f32;
+        let gate = was_lost.select(interval.near, far_c.to_bits() as i32);
+        let implausible = Sign::above(change, gate);
+        let rejected = impossible | implausible;
 
-        let healing = self.settling.saturating_add(interval.ticks);
-        let healing = healing.max(thermal.heal_ticks);
-        let healed = self.settling.saturating_sub(interval.ticks);
-        let settling =
-            select_unpredictable(believed, healed, healing.min(thermal.longest_heal_ticks));
-        self.settling = select_unpredictable(restart, thermal.settle_ticks, settling.max(0));
+        let anew = Sign::above(change, interval.near) | Sign::above(age, thermal.restart_ticks);
+        let restart = anew & !rejected;
 
-        self.candidate_c = select_unpredictable(in_range, temp_c, self.candidate_c);
-        self.temp_c = select_unpredictable(believed, temp_c, self.temp_c);
-        self.age = select_unpredictable(believed, 0, age);
-        self.rejected = self.rejected.wrapping_add(u32::from(!believed));
-        self.restarts = self.restarts.wrapping_add(u32::from(restart));
+        self.age = rejected.keep(age);
+        let lost = Sign::above(self.age, thermal.hold_ticks);
+        let left = impossible | (implausible & !lost);
+        self.temp_c = left.select(self.temp_c, temp_c);
 
-        let lost = self.age > thermal.hold_ticks;
+        let settled = self.settled.saturating_add(interval.ticks);
+        let settled = rejected.select(self.settled.min(healing), settled);
+        self.settled = restart.select(thermal.settling, settled);
+        self.rejected = self.rejected.wrapping_add(rejected.count());
+        self.restarts = self.restarts.wrapping_add(restart.count());
+
         Conditioned {
             temp_c: self.temp_c,
-            shift_c: select_unpredictable(restart, change_c, 0.0),
+            change_c,
+            moved: left | !anew,
             lost,
-            status: interval.status
-                | Status::TEMPERATURE_INVALID.when(!in_range)
-                | Status::TEMPERATURE_SPIKE.when(in_range & !plausible)
-                | Status::TEMPERATURE_LOST.when(lost)
-                | Status::SETTLING.when(self.settling > 0),
+            settling: Sign(self.settled),
+            impossible,
+            spike: implausible & !impossible & !Sign(interval.near),
         }
+    }
+
+    #[inline(always)]
+    fn beyond_sensor(thermal: &Thermal, temp_c: f32) -> Sign {
+        Sign::above(
+            magnitude(temp_c - thermal.sensor_middle_c),
+            thermal.sensor_reach,
+        )
     }
 }

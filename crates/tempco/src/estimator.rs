@@ -1,6 +1,7 @@
 //! Estimates the rate of temperature, causally and without stagnation.
 
 use crate::interval::Interval;
+use crate::sign::Sign;
 
 /// First-order rate estimator: the lag of a filtered temperature behind the temperature.
 ///
@@ -35,12 +36,17 @@ impl RateEstimator {
 
     /// The rate of temperature \[degC/min\].
     ///
-    /// `shift_c` is the part of the last change that is no movement, such as the return of a sensor
-    /// that was off: it is passed on to the filtered temperature, and the rate goes on from what it
-    /// was.
-    #[inline]
-    pub(crate) fn update(&mut self, interval: &Interval, temp_c: f32, shift_c: f32) -> f32 {
-        let filtered_c = self.filtered_c + shift_c;
+    /// A change that is no movement, such as the return of a sensor that was off, is passed on to
+    /// the filtered temperature, and the rate goes on from what it was.
+    #[inline(always)]
+    pub(crate) fn update(
+        &mut self,
+        interval: &Interval,
+        temp_c: f32,
+        change_c: f32,
+        moved: Sign,
+    ) -> f32 {
+        let filtered_c = moved.select(self.filtered_c, self.filtered_c + change_c);
         let lag_c = (temp_c - filtered_c) - self.remainder_c;
         let increment_c = interval.alpha * lag_c + self.remainder_c;
         self.filtered_c = filtered_c + increment_c;
@@ -53,6 +59,8 @@ impl RateEstimator {
 mod tests {
     use super::*;
     use crate::{Thermal, ThermalSettings};
+
+    const MOVED: Sign = Sign(-1);
 
     /// The same estimator in f64, fed the same f32 temperatures.
     fn reference(thermal: &ThermalSettings, dt_s: f64, temps: impl Iterator<Item = f32>) -> f64 {
@@ -94,7 +102,7 @@ mod tests {
                             let mut estimator = RateEstimator::new(start as f32);
                             let mut rate = 0.0;
                             for temp in temps() {
-                                rate = estimator.update(&interval, temp, 0.0);
+                                rate = estimator.update(&interval, temp, 0.0, MOVED);
                             }
                             let expected = reference(&settings, f64::from(dt_s), temps());
                             let error = (f64::from(rate) - expected).abs();
@@ -118,9 +126,9 @@ mod tests {
     fn a_shift_is_not_differentiated() {
         let interval = Interval::new(&Thermal::new(ThermalSettings::DEFAULT).unwrap(), 1.0);
         let mut estimator = RateEstimator::new(-40.0);
-        assert!(estimator.update(&interval, 20.0, 0.0) > 50.0);
+        assert!(estimator.update(&interval, 20.0, 60.0, MOVED) > 50.0);
         let mut estimator = RateEstimator::new(-40.0);
-        assert_eq!(estimator.update(&interval, 20.0, 60.0), 0.0);
-        assert_eq!(estimator.update(&interval, 20.0, 0.0), 0.0);
+        assert_eq!(estimator.update(&interval, 20.0, 60.0, !MOVED), 0.0);
+        assert_eq!(estimator.update(&interval, 20.0, 60.0, MOVED), 0.0);
     }
 }

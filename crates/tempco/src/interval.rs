@@ -1,5 +1,6 @@
 //! The time between two thermal updates, turned into the factors the estimator needs.
 
+use crate::sign::magnitude;
 use crate::{Status, Thermal};
 
 /// Resolution of the core's timers: 10 us, and 5.9 h at most. Integers, because a sum of many
@@ -20,29 +21,23 @@ const LEAST_SLEW_C: f32 = 2e-5;
 /// the temperature did meanwhile is not known, and nothing is invented.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[repr(C, align(8))]
 pub struct Interval {
     pub(crate) ticks: i32,
+    /// A change up to this is noise and movement of one interval \[bits of degC\].
+    pub(crate) near: i32,
     pub(crate) alpha: f32,
     /// Rate of temperature per degree of lag \[1/min\].
     pub(crate) rate_gain_per_min: f32,
-    /// How far the effective temperature may move in this time \[degC\].
-    pub(crate) slew_c: f32,
-    /// Time has passed; a temperature without time is not believed.
-    pub(crate) forward: bool,
+    /// How far the effective temperature may move in this time \[bits of degC\].
+    pub(crate) slew: i32,
+    /// A believable jump, without what the part can have moved \[degC\]. Negative infinity if
+    /// no time has passed: a temperature without time is not believed.
+    pub(crate) gate_c: f32,
     pub(crate) status: Status,
 }
 
 impl Interval {
-    /// The first update after power-on: no time has passed and nothing needs to ramp.
-    pub(crate) const POWER_ON: Self = Self {
-        ticks: 0,
-        alpha: 0.0,
-        rate_gain_per_min: 0.0,
-        slew_c: f32::INFINITY,
-        forward: true,
-        status: Status::OK,
-    };
-
     /// The interval of `dt_s` \[s\] for the given thermal settings.
     ///
     /// Zero, negative and NaN count as no time at all, and the temperature that comes with them is
@@ -59,6 +54,12 @@ impl Interval {
             - x * (1.0 / 2.0) * (1.0 - x * (1.0 / 3.0) * (1.0 - x * (1.0 / 4.0) * (1.0 - x * 0.2)));
         let slew_c = thermal.settings.max_slew_c_per_min * dt_s * (1.0 / 60.0);
         let vanishes = forward & (slew_c < LEAST_SLEW_C);
+        let slew_c = if vanishes { LEAST_SLEW_C } else { slew_c };
+        let gate_c = if forward {
+            thermal.settings.spike_gate_c
+        } else {
+            f32::NEG_INFINITY
+        };
         Self {
             // The conversion saturates.
             ticks: (real_s * TICKS_PER_S + 0.5) as i32,
@@ -68,8 +69,9 @@ impl Interval {
             } else {
                 60.0 * thermal.per_tau_hz * alpha_per_x
             },
-            slew_c: if vanishes { LEAST_SLEW_C } else { slew_c },
-            forward,
+            slew: magnitude(slew_c),
+            near: (gate_c + slew_c).to_bits() as i32,
+            gate_c,
             status: Status::INTERVAL_INVALID.when(gap | !forward),
         }
     }
@@ -107,7 +109,7 @@ mod tests {
             let interval = Interval::new(&THERMAL, dt_s);
             assert_eq!(interval.status, Status::INTERVAL_INVALID);
             assert_eq!((interval.ticks, interval.alpha), (0, 0.0));
-            assert!(!interval.forward);
+            assert_eq!(interval.gate_c, f32::NEG_INFINITY);
         }
         for (dt_s, ticks) in [
             (30.001, 3_000_100),
@@ -118,7 +120,7 @@ mod tests {
             assert_eq!(interval.status, Status::INTERVAL_INVALID);
             assert_eq!((interval.ticks, interval.alpha), (ticks, 1.0));
             assert_eq!(interval.rate_gain_per_min, 0.0);
-            assert!((interval.slew_c - 15.0).abs() < 1e-5);
+            assert!((f32::from_bits(interval.slew as u32) - 15.0).abs() < 1e-5);
         }
         assert_eq!(Interval::new(&THERMAL, 30.0).status, Status::OK);
     }

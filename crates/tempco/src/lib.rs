@@ -66,6 +66,7 @@ mod compensator;
 mod conditioner;
 mod estimator;
 mod interval;
+mod sign;
 mod status;
 mod table;
 mod thermal;

@@ -1,6 +1,8 @@
 //! What the compensator says about its own output.
 
-use core::ops::{BitOr, BitOrAssign};
+use core::ops::{BitAnd, BitOr, BitOrAssign};
+
+use crate::sign::Sign;
 
 /// A set of flags that goes with every output; empty means nothing to remark.
 ///
@@ -96,6 +98,22 @@ impl Status {
         if condition { self } else { Self::OK }
     }
 
+    /// [`Status::RAW_INVALID`] if a gyro sample is NaN or infinite, or nothing.
+    #[inline(always)]
+    pub fn of_raw(raw: &[f32]) -> Self {
+        // 0, or a NaN once a factor was NaN or infinite. Of these the lowest bit of the exponent
+        // tells, and it lies 16 above the flag.
+        let check = raw.iter().fold(0.0_f32, |check, value| check * value);
+        Self((check.to_bits() >> 16) as u16) & Self::RAW_INVALID
+    }
+
+    /// The first flags in the order of their bits.
+    #[inline(always)]
+    pub(crate) fn of(signs: [Sign; 4]) -> Self {
+        let bits = signs.iter().rev();
+        Self(bits.fold(0, |bits, sign| bits << 1 | sign.count()) as u16)
+    }
+
     /// The class a monitor acts on.
     pub const fn validity(self) -> Validity {
         if self.intersects(Self(Self::TEMPERATURE_LOST.0 | Self::RAW_INVALID.0)) {
@@ -112,6 +130,13 @@ impl BitOr for Status {
     type Output = Self;
     fn bitor(self, other: Self) -> Self {
         Self(self.0 | other.0)
+    }
+}
+
+impl BitAnd for Status {
+    type Output = Self;
+    fn bitand(self, other: Self) -> Self {
+        Self(self.0 & other.0)
     }
 }
 

@@ -1,8 +1,8 @@
 //! The coefficient table: the bias model as cells of equal width over the calibrated range.
 
 use core::fmt;
-use core::hint::select_unpredictable;
 
+use crate::thermal::clamp;
 use crate::{Status, Thermal, ThermalPoint};
 
 /// The most cells a table can have.
@@ -29,7 +29,7 @@ pub struct Terms {
 impl Terms {
     /// The bias at place `z` in the cell and rate `rate_c_per_min`
     /// (the composite model of Weng et al. 2020 in the basis of the cell).
-    #[inline]
+    #[inline(always)]
     pub fn bias(&self, z: f32, rate_c_per_min: f32) -> f32 {
         let [a0, a1, a2] = self.a;
         let [r0, r1] = self.r;
@@ -64,6 +64,7 @@ pub struct Table<'a, const AXES: usize> {
     t_min_c: f32,
     t_max_c: f32,
     cells: &'a [[Terms; AXES]],
+    coldest: &'a [Terms; AXES],
 }
 
 /// Where an effective temperature falls in a table.
@@ -125,6 +126,7 @@ impl<'a, const AXES: usize> Table<'a, AXES> {
             t_min_c: first_edge_c,
             t_max_c: last_edge_c,
             cells,
+            coldest: &cells[0],
         })
     }
 
@@ -169,18 +171,20 @@ impl<'a, const AXES: usize> Table<'a, AXES> {
 
     /// Finds the cell of an effective temperature, which must not be NaN; outside the calibrated
     /// range, the cell of its nearest end.
-    #[inline]
+    #[inline(always)]
     pub fn place(&self, effective_c: f32) -> Place {
-        let cold = effective_c < self.t_min_c;
-        let hot = effective_c > self.t_max_c;
-        let temp_c = select_unpredictable(cold, self.t_min_c, effective_c);
-        let temp_c = select_unpredictable(hot, self.t_max_c, temp_c);
+        let (temp_c, status) = clamp(
+            effective_c,
+            self.t_min_c,
+            self.t_max_c,
+            Status::TEMPERATURE_CLAMPED,
+        );
         let place = (temp_c - self.first_edge_c) * self.cells_per_c;
         let cell = place as u32;
         Place {
             cell: cell as usize,
             z: place - cell as f32,
-            status: Status::TEMPERATURE_CLAMPED.when(cold | hot),
+            status,
         }
     }
 
@@ -189,17 +193,13 @@ impl<'a, const AXES: usize> Table<'a, AXES> {
     ///
     /// # Timing
     /// No branch depends on the data.
-    #[inline]
+    #[inline(always)]
     pub fn bias(&self, point: &ThermalPoint) -> ([f32; AXES], Status) {
         let place = self.place(point.effective_c);
         // `place` never exceeds the last cell, so the alternative is never taken; it is there so
         // that the compiler need not provide for a panic.
-        let bias = match self.cells.get(place.cell) {
-            Some(cell) => {
-                core::array::from_fn(|axis| cell[axis].bias(place.z, point.rate_c_per_min))
-            }
-            None => [0.0; AXES],
-        };
+        let cell = self.cells.get(place.cell).unwrap_or(self.coldest);
+        let bias = core::array::from_fn(|axis| cell[axis].bias(place.z, point.rate_c_per_min));
         (bias, point.status | place.status)
     }
 }

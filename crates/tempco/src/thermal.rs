@@ -6,6 +6,7 @@ use core::hint::select_unpredictable;
 use crate::conditioner::Conditioner;
 use crate::estimator::RateEstimator;
 use crate::interval::TICKS_PER_S;
+use crate::sign::{Sign, limit, magnitude};
 use crate::table::{TableError, is_within};
 use crate::{Interval, Status};
 
@@ -73,14 +74,16 @@ const fn ticks(time_s: f32) -> i32 {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Thermal {
     pub(crate) settings: ThermalSettings,
+    /// The middle of the sensor's range \[degC\] and how far it reaches from there \[bits of degC\].
+    pub(crate) sensor_middle_c: f32,
+    pub(crate) sensor_reach: i32,
     pub(crate) hold_ticks: i32,
-    pub(crate) heal_ticks: i32,
-    /// Three time constants: the rate estimate is then within 5 % of a new ramp.
-    pub(crate) settle_ticks: i32,
-    /// The longer of healing and settling.
-    pub(crate) longest_heal_ticks: i32,
     /// After this long without a believed temperature the estimator begins anew.
     pub(crate) restart_ticks: i32,
+    /// What is left of settling after a temperature was rejected, below zero \[ticks\].
+    pub(crate) healing: i32,
+    /// The same after a restart: three time constants: the rate estimate is then within 5 % of a new ramp.
+    pub(crate) settling: i32,
     pub(crate) slew_c_per_tick: f32,
     pub(crate) per_tau_hz: f32,
     /// Shift of the effective temperature per rate, `kappa tau` \[min\].
@@ -112,15 +115,15 @@ impl Thermal {
         check!(rate_min_c_per_min, -1e4, 0.0);
         check!(rate_max_c_per_min, 0.0, 1e4);
         check!(reference_c, s.sensor_min_c, s.sensor_max_c);
+        let sensor_middle_c = 0.5 * (s.sensor_min_c + s.sensor_max_c);
+        let below = magnitude(s.sensor_min_c - sensor_middle_c);
+        let above = magnitude(s.sensor_max_c - sensor_middle_c);
         Ok(Self {
+            sensor_middle_c,
+            sensor_reach: if below > above { below } else { above },
             hold_ticks: ticks(s.hold_s),
-            heal_ticks: ticks(s.heal_s),
-            settle_ticks: ticks(3.0 * s.tau_s),
-            longest_heal_ticks: ticks(if s.heal_s > 3.0 * s.tau_s {
-                s.heal_s
-            } else {
-                3.0 * s.tau_s
-            }),
+            healing: -ticks(s.heal_s),
+            settling: -ticks(3.0 * s.tau_s),
             restart_ticks: ticks(0.5 * s.tau_s),
             slew_c_per_tick: s.max_slew_c_per_min / (60.0 * TICKS_PER_S),
             per_tau_hz: 1.0 / s.tau_s,
@@ -181,8 +184,22 @@ impl ThermalState {
     /// several readings.
     pub fn start(&mut self, thermal: &Thermal, temp_c: f32) -> ThermalPoint {
         *self = Self::new(thermal);
-        self.conditioner.trust(temp_c);
-        self.update(thermal, &Interval::POWER_ON, temp_c)
+        let Some(conditioner) = Conditioner::start(thermal, temp_c) else {
+            // Counted as rejected; that no time has passed is no remark at power-on.
+            let point = self.update(thermal, &Interval::new(thermal, 0.0), f32::NAN);
+            return ThermalPoint {
+                status: Status::TEMPERATURE_INVALID | Status::TEMPERATURE_LOST | Status::SETTLING,
+                ..point
+            };
+        };
+        self.conditioner = conditioner;
+        self.estimator = RateEstimator::new(temp_c);
+        self.effective_c = temp_c;
+        ThermalPoint {
+            effective_c: temp_c,
+            rate_c_per_min: 0.0,
+            status: Status::SETTLING,
+        }
     }
 
     /// Takes one temperature \[degC\], `interval` after the one before; NaN where there is none.
@@ -192,33 +209,40 @@ impl ThermalState {
     ///
     /// # Timing
     /// No branch depends on the data.
-    #[inline]
+    #[inline(always)]
     pub fn update(&mut self, thermal: &Thermal, interval: &Interval, temp_c: f32) -> ThermalPoint {
         let settings = &thermal.settings;
         let conditioned = self.conditioner.update(thermal, interval, temp_c);
-        let rate = self
-            .estimator
-            .update(interval, conditioned.temp_c, conditioned.shift_c);
-
-        let too_slow = rate < settings.rate_min_c_per_min;
-        let too_fast = rate > settings.rate_max_c_per_min;
-        let rate = select_unpredictable(too_slow, settings.rate_min_c_per_min, rate);
-        let rate = select_unpredictable(too_fast, settings.rate_max_c_per_min, rate);
+        let rate = self.estimator.update(
+            interval,
+            conditioned.temp_c,
+            conditioned.change_c,
+            conditioned.moved,
+        );
+        let (rate, clamped) = clamp(
+            rate,
+            settings.rate_min_c_per_min,
+            settings.rate_max_c_per_min,
+            Status::RATE_CLAMPED,
+        );
 
         let measured_c = conditioned.temp_c - thermal.shift_min * rate;
-        let target_c = select_unpredictable(conditioned.lost, settings.reference_c, measured_c);
+        let target_c = conditioned.lost.select(settings.reference_c, measured_c);
         let way_c = target_c - self.effective_c;
-        let step_c = select_unpredictable(way_c < -interval.slew_c, -interval.slew_c, way_c);
-        let step_c = select_unpredictable(way_c > interval.slew_c, interval.slew_c, step_c);
-        self.effective_c += step_c;
-        let ramping = (way_c - step_c).abs() > settings.spike_gate_c;
+        let ramping = Sign::above(magnitude(way_c), interval.near);
+        self.effective_c += limit(way_c, interval.slew);
 
         ThermalPoint {
             effective_c: self.effective_c,
             rate_c_per_min: rate,
-            status: conditioned.status
-                | Status::SETTLING.when(ramping)
-                | Status::RATE_CLAMPED.when(too_slow | too_fast),
+            status: interval.status
+                | clamped
+                | Status::of([
+                    conditioned.impossible,
+                    conditioned.spike,
+                    conditioned.lost,
+                    conditioned.settling | ramping,
+                ]),
         }
     }
 
@@ -231,4 +255,12 @@ impl ThermalState {
     pub const fn restarts(&self) -> u32 {
         self.conditioner.restarts
     }
+}
+
+/// `value` within `min..=max`, and `flag` if it was not.
+#[inline(always)]
+pub(crate) fn clamp(value: f32, min: f32, max: f32, flag: Status) -> (f32, Status) {
+    let limited = select_unpredictable(value < min, min, value);
+    let limited = select_unpredictable(limited > max, max, limited);
+    (limited, flag.when(limited != value))
 }

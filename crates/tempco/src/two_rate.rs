@@ -1,9 +1,7 @@
 //! The two-rate pair: thermal work at the temperature's slow rate, a subtraction at the gyro's.
 
-use core::hint::select_unpredictable;
-
-use crate::compensator::subtract;
-use crate::{Interval, Output, Status, Table, ThermalPoint, ThermalState};
+use crate::sign::Sign;
+use crate::{Interval, Status, Table, ThermalPoint, ThermalState};
 
 /// Compensates units whose gyro is sampled faster than their temperature.
 ///
@@ -16,12 +14,12 @@ pub struct TwoRateCompensator<'t, const AXES: usize> {
     table: &'t Table<'t, AXES>,
     state: ThermalState,
     /// The bias the ramp ends at.
-    bias: [f32; AXES],
+    end: [f32; AXES],
     /// Change of the bias per gyro sample during the ramp.
     slope: [f32; AXES],
     /// Gyro samples until the end of the ramp; below zero, since then.
-    remaining: f32,
-    samples_per_update: f32,
+    remaining: i32,
+    samples_per_update: i32,
     updates_per_sample: f32,
     point: ThermalPoint,
     status: Status,
@@ -33,25 +31,21 @@ impl<'t, const AXES: usize> TwoRateCompensator<'t, AXES> {
     /// `samples_per_update` is the number of gyro samples between two thermal updates, 1 to
     /// 65535 (0 counts as 1).
     pub fn new(table: &'t Table<'t, AXES>, samples_per_update: u16) -> Self {
-        let samples = f32::from(if samples_per_update == 0 {
-            1
-        } else {
-            samples_per_update
-        });
+        let samples = samples_per_update.max(1);
         let point = ThermalPoint {
             effective_c: table.thermal().settings().reference_c,
             rate_c_per_min: 0.0,
             status: Status::TEMPERATURE_LOST,
         };
-        let (bias, status) = table.bias(&point);
+        let (end, status) = table.bias(&point);
         Self {
             table,
             state: ThermalState::new(table.thermal()),
-            bias,
+            end,
             slope: [0.0; AXES],
-            remaining: 0.0,
-            samples_per_update: samples,
-            updates_per_sample: 1.0 / samples,
+            remaining: 0,
+            samples_per_update: samples.into(),
+            updates_per_sample: 1.0 / f32::from(samples),
             point,
             status,
         }
@@ -60,45 +54,59 @@ impl<'t, const AXES: usize> TwoRateCompensator<'t, AXES> {
     /// Starts at the first temperature after power-on \[degC\], without ramping to it.
     pub fn start(&mut self, temp_c: f32) {
         self.point = self.state.start(self.table.thermal(), temp_c);
-        (self.bias, self.status) = self.table.bias(&self.point);
-        self.remaining = 0.0;
+        (self.end, self.status) = self.table.bias(&self.point);
+        self.remaining = 0;
     }
 
     /// Takes a temperature \[degC\], `interval` after the last one: all the thermal work.
     ///
     /// # Timing
     /// No branch depends on the data.
-    #[inline]
+    #[inline(always)]
     pub fn update(&mut self, interval: &Interval, temp_c: f32) -> ThermalPoint {
-        let now = self.present_bias();
+        let now = self.bias();
         self.point = self.state.update(self.table.thermal(), interval, temp_c);
-        (self.bias, self.status) = self.table.bias(&self.point);
+        (self.end, self.status) = self.table.bias(&self.point);
         self.slope =
-            core::array::from_fn(|axis| (self.bias[axis] - now[axis]) * self.updates_per_sample);
+            core::array::from_fn(|axis| (self.end[axis] - now[axis]) * self.updates_per_sample);
         self.remaining = self.samples_per_update;
         self.point
     }
 
-    /// Takes one gyro sample per axis.
+    /// Takes one gyro sample per axis and returns it without its bias. What led to it is to be had
+    /// from [`bias`](Self::bias), [`point`](Self::point) and [`status`](Self::status).
     ///
     /// # Timing
     /// No branch depends on the data.
-    #[inline]
-    pub fn compensate(&mut self, raw: [f32; AXES]) -> Output<AXES> {
-        self.remaining -= 1.0;
+    #[inline(always)]
+    pub fn compensate(&mut self, raw: [f32; AXES]) -> [f32; AXES] {
+        self.remaining = self.remaining.saturating_sub(1);
+        let bias = self.bias();
+        core::array::from_fn(|axis| raw[axis] - bias[axis])
+    }
+
+    /// The bias taken out of the last gyro sample; always finite \[unit of each axis\].
+    #[inline(always)]
+    pub fn bias(&self) -> [f32; AXES] {
+        let remaining = (!Sign(self.remaining)).keep(self.remaining) as f32;
+        core::array::from_fn(|axis| self.end[axis] - self.slope[axis] * remaining)
+    }
+
+    /// Where the model was evaluated at the last update; the bias ramps to its value there.
+    pub const fn point(&self) -> ThermalPoint {
+        self.point
+    }
+
+    /// Remarks on the temperature, the range and late updates. Gyro samples are checked apart, by
+    /// [`Status::of_raw`].
+    #[inline(always)]
+    pub fn status(&self) -> Status {
         let overdue = self.remaining < -self.samples_per_update;
-        let status = self.status | Status::INTERVAL_INVALID.when(overdue);
-        subtract(raw, self.present_bias(), self.point, status)
+        self.status | Status::INTERVAL_INVALID.when(overdue)
     }
 
     /// The state of the thermal path, for its counters.
     pub const fn thermal_state(&self) -> &ThermalState {
         &self.state
-    }
-
-    #[inline]
-    fn present_bias(&self) -> [f32; AXES] {
-        let remaining = select_unpredictable(self.remaining > 0.0, self.remaining, 0.0);
-        core::array::from_fn(|axis| self.bias[axis] - self.slope[axis] * remaining)
     }
 }

@@ -18,7 +18,17 @@ fn started(samples_per_update: u16, temp_c: f32) -> Unit {
 }
 
 fn take(unit: &mut Unit, count: usize) -> Vec<Output<2>> {
-    (0..count).map(|_| unit.compensate(RAW)).collect()
+    (0..count).map(|_| compensate(unit, RAW)).collect()
+}
+
+/// A sample with all that can be asked about it.
+fn compensate(unit: &mut Unit, raw: [f32; 2]) -> Output<2> {
+    Output {
+        compensated: unit.compensate(raw),
+        bias: unit.bias(),
+        point: unit.point(),
+        status: unit.status() | Status::of_raw(&raw),
+    }
 }
 
 /// A place where the table is steep, far from its reference, on a strong ramp.
@@ -31,7 +41,7 @@ fn the_bias_ramps_linearly_to_that_of_the_single_rate() {
     let mut single = tempco::Compensator::new(&TABLE);
     let mut unit = started(SAMPLES, temp(0));
     single.start(temp(0));
-    let mut before = unit.compensate(RAW).bias;
+    let mut before = compensate(&mut unit, RAW).bias;
     for second in 1..60 {
         let point = unit.update(&SECOND, temp(second));
         let end = single.step(&SECOND, temp(second), RAW);
@@ -59,7 +69,7 @@ fn at_one_sample_per_update_it_is_the_single_rate() {
         for second in 1..500 {
             let temp = [temp(second % 90), f32::NAN][usize::from(second % 7 == 0)];
             unit.update(&SECOND, temp);
-            let (out, end) = (unit.compensate(RAW), single.step(&SECOND, temp, RAW));
+            let (out, end) = (compensate(&mut unit, RAW), single.step(&SECOND, temp, RAW));
             assert_eq!(bits(&out), bits(&end));
             assert_eq!(out.status, end.status);
         }
@@ -76,7 +86,7 @@ fn where_the_update_is_late_the_bias_stays() {
         assert_eq!(bits(&out), bits(&end));
     }
     unit.update(&SECOND, temp(2));
-    let next = unit.compensate(RAW);
+    let next = compensate(&mut unit, RAW);
     assert!((next.bias[0] - end.bias[0]).abs() < 1e-3);
 }
 
@@ -84,7 +94,7 @@ fn where_the_update_is_late_the_bias_stays() {
 fn the_longest_ramp_is_as_straight_and_as_exact_as_a_short_one() {
     let count = usize::from(u16::MAX);
     let mut unit = started(u16::MAX, 30.0);
-    let start = unit.compensate(RAW).bias;
+    let start = compensate(&mut unit, RAW).bias;
     let end = TABLE.bias(&unit.update(&SECOND, 30.5)).0;
     let outs = take(&mut unit, count);
     for axis in 0..2 {
@@ -109,7 +119,7 @@ fn start_jumps_also_in_the_middle_of_a_ramp() {
     unit.update(&SECOND, temp(1));
     take(&mut unit, 30);
     unit.start(-20.0);
-    let expected = started(SAMPLES, -20.0).compensate(RAW);
+    let expected = compensate(&mut started(SAMPLES, -20.0), RAW);
     for out in take(&mut unit, usize::from(SAMPLES)) {
         assert_eq!(bits(&out), bits(&expected));
         assert_eq!(out.status, Status::SETTLING);
@@ -144,8 +154,8 @@ fn an_invalid_gyro_sample_marks_only_itself() {
     let mut unit = started(SAMPLES, temp(0));
     unit.update(&SECOND, temp(1));
     let mut twin = unit.clone();
-    let out = unit.compensate([f32::NAN, 5.0]);
-    let good = twin.compensate([1.0, 5.0]);
+    let out = compensate(&mut unit, [f32::NAN, 5.0]);
+    let good = compensate(&mut twin, [1.0, 5.0]);
     assert_eq!(out.bias, good.bias);
     assert!(out.compensated[0].is_nan());
     assert_eq!(out.compensated[1], good.compensated[1]);
@@ -166,7 +176,7 @@ proptest! {
         updates in prop::collection::vec((0_usize..120, -70.0_f32..160.0, 0.0_f32..40.0), 1..30),
     ) {
         let mut unit = started(samples_per_update, 20.0);
-        let mut before = unit.compensate(RAW).bias;
+        let mut before = compensate(&mut unit, RAW).bias;
         for (samples, temp, dt_s) in updates {
             let point = unit.update(&Interval::new(&THERMAL, dt_s), temp);
             let end = TABLE.bias(&point).0;

@@ -5,6 +5,7 @@
 //! - [`Workspace`]: where the sources are
 //! - [`ensure_target`], [`ensure_qemu`]: install what is missing
 //! - [`build`]: an image for a [`Board`], with a coefficient table
+//! - [`code()`]: the machine code of one of its functions
 //! - [`Layout`]: where an image lies in memory, and how much of it it takes
 //! - [`run()`]: an image in QEMU, with a time limit, its exit code and its decoded log
 //! - [`replay()`]: a log through the `replay` image
@@ -28,6 +29,7 @@
 
 mod board;
 mod build;
+mod code;
 mod error;
 mod install;
 mod layout;
@@ -38,6 +40,7 @@ mod workspace;
 
 pub use board::Board;
 pub use build::build;
+pub use code::code;
 pub use error::Error;
 pub use install::{TARGET, ensure_qemu, ensure_target};
 pub use layout::Layout;

@@ -6,8 +6,11 @@ use std::time::Instant;
 use anyhow::{Context, Result, ensure};
 use clap::ValueEnum;
 use serde_json::{Map, Value, json};
-use tempco_qemu::{Board, Options, Workspace, build, ensure_qemu, ensure_target, run as run_image};
+use tempco_qemu::{
+    Board, Options, Workspace, build, code, ensure_qemu, ensure_target, run as run_image,
+};
 
+use crate::cycles::price;
 use crate::run::build_tempco;
 
 #[derive(clap::Args)]
@@ -59,14 +62,29 @@ fn target(workspace: &Workspace) -> Result<Value> {
     let mut figures = Map::new();
     let mut baselines = Map::new();
     let mut sizes = Map::new();
-    println!("{board}, per call for three axes     instructions, least and most");
+    // The image counts what a function has beyond an empty one.
+    let empty = price(&code(&image, &["kernels", "empty"])?)?.instructions;
+    println!("{board}, per call for three axes     instructions (least, most), M4 cycles");
     for line in &run.log {
         let words: Vec<&str> = line.split_whitespace().collect();
         match words[..] {
             ["bench", name, least, most] => {
-                println!("  {name:24} {least:>8} {most:>8}");
-                let (least, most): (u32, u32) = (least.parse()?, most.parse()?);
-                let figure = json!({ "instructions": [least, most] });
+                let (least, most): (u32, u32) =
+                    (least.parse::<u32>()? + empty, most.parse::<u32>()? + empty);
+                let function = name.strip_suffix("_baseline").unwrap_or(name);
+                let mut figure = json!({ "instructions": [least, most] });
+                let mut cycles = String::new();
+                if least == most
+                    && let Ok(price) = price(&code(&image, &["kernels", function])?)
+                {
+                    ensure!(
+                        price.instructions == most,
+                        "{name}: {price:?}, {most} executed"
+                    );
+                    cycles = price.cycles.to_string();
+                    figure["cycles_m4"] = json!(price.cycles);
+                }
+                println!("  {name:24} {least:>8} {most:>8} {cycles:>8}");
                 match name.strip_suffix("_baseline") {
                     Some(name) => baselines.insert(name.to_owned(), figure),
                     None => figures.insert(name.to_owned(), figure),
@@ -83,6 +101,10 @@ fn target(workspace: &Workspace) -> Result<Value> {
         figures.contains_key("step"),
         "the bench image measured nothing"
     );
+    let code_bytes = code(&image, &["kernels", "step"])?.len();
+    println!("  {:24} {code_bytes:>8} bytes", "code of step");
+    figures.insert("code_bytes".to_owned(), json!(code_bytes));
+    figures.insert("state_bytes".to_owned(), sizes["compensator"].clone());
     figures.insert("baselines".to_owned(), Value::Object(baselines));
     figures.insert("sizes".to_owned(), Value::Object(sizes));
     Ok(Value::Object(figures))

@@ -1,6 +1,7 @@
 //! `cargo xtask`: the demo, the tests and the benchmarks, each from a bare machine.
 
 mod bench;
+mod cycles;
 mod demo;
 mod figure;
 mod run;

@@ -1,0 +1,79 @@
+//! Truth values kept in a sign bit.
+//!
+//! A comparison of two f32 costs a Cortex-M4 two instructions to reach the processor's flags and
+//! two or three more to become a value. A difference of integers has the answer in its sign after
+//! one, and signs combine, count and select without a branch. Magnitudes of f32 may be compared
+//! so, because their bits are in the order of their values, NaN last.
+
+use core::hint::select_unpredictable;
+use core::ops::{BitAnd, BitOr, Not};
+
+/// Whether something holds: if so, the number is negative; its other bits mean nothing.
+#[derive(Clone, Copy)]
+pub(crate) struct Sign(pub(crate) i32);
+
+/// The bits of `|value|`.
+#[inline(always)]
+pub(crate) const fn magnitude(value: f32) -> i32 {
+    (value.to_bits() & !SIGN_BIT) as i32
+}
+
+/// `value`, but no larger in magnitude than the f32 of the bits `most`.
+#[inline(always)]
+pub(crate) const fn limit(value: f32, most: i32) -> f32 {
+    let size = magnitude(value);
+    let size = if size > most { most } else { size };
+    f32::from_bits(value.to_bits() & SIGN_BIT | size as u32)
+}
+
+const SIGN_BIT: u32 = 1 << 31;
+
+impl Sign {
+    /// `a > b`. The difference must fit: both are magnitudes or times, or `a` is negative infinity.
+    #[inline(always)]
+    pub(crate) const fn above(a: i32, b: i32) -> Self {
+        Self(b.wrapping_sub(a))
+    }
+
+    /// `yes` where it holds, else `no`.
+    #[inline(always)]
+    pub(crate) fn select<T>(self, yes: T, no: T) -> T {
+        select_unpredictable(self.0 < 0, yes, no)
+    }
+
+    /// `value` where it holds, else 0.
+    #[inline(always)]
+    pub(crate) const fn keep(self, value: i32) -> i32 {
+        value & (self.0 >> 31)
+    }
+
+    /// 1 where it holds, else 0.
+    #[inline(always)]
+    pub(crate) const fn count(self) -> u32 {
+        self.0 as u32 >> 31
+    }
+}
+
+impl BitAnd for Sign {
+    type Output = Self;
+    #[inline(always)]
+    fn bitand(self, other: Self) -> Self {
+        Self(self.0 & other.0)
+    }
+}
+
+impl BitOr for Sign {
+    type Output = Self;
+    #[inline(always)]
+    fn bitor(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+}
+
+impl Not for Sign {
+    type Output = Self;
+    #[inline(always)]
+    fn not(self) -> Self {
+        Self(!self.0)
+    }
+}
