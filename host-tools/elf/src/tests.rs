@@ -1,5 +1,5 @@
 //! The checks on functions that were put together by hand: each finds what it is there for.
-//! The bytes are what `llvm-mc -triple thumbv7em -mattr=+vfp4` makes of the text beside them.
+//! The bytes were encoded by hand; the text beside them is what they are.
 
 use crate::decode::Decoder;
 use crate::{Arithmetic, CallGraph, Error, Flow, Function, Image, Kernel, Stack};

@@ -1,15 +1,12 @@
 //! Golden vectors: what hosts and targets make of the same samples, bit for bit, as hashes.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::Command;
 use std::time::Duration;
 
 use crate::install::checked;
 use crate::{Board, Error, Options, Profile, Variant, Workspace, build, build_host, run};
-
-/// Set to 1, it makes [`check`] write what it was given instead of comparing.
-pub const BLESS: &str = "TEMPCO_BLESS";
 
 /// How the program is compiled for the host: the name, the profile, and what is changed in it.
 pub const HOST_BUILDS: [(&str, Profile, Variant); 3] = [
@@ -71,14 +68,20 @@ pub fn on_target(workspace: &Workspace, board: Board, millions: u32) -> Result<V
 /// a line that was made and the line that was expected in its place.
 ///
 /// # Errors
-/// The file of the committed hashes cannot be read, or with [`BLESS`] not be written.
+/// The file of the committed hashes cannot be read.
 pub fn check(workspace: &Workspace, lines: &[String]) -> Result<Option<[String; 2]>, Error> {
     let path = expected_path(workspace);
-    if std::env::var_os(BLESS).is_some_and(|value| value == "1") {
-        fs::write(&path, lines.join("\n") + "\n").map_err(Error::file(&path))?;
-    }
     let expected = fs::read_to_string(&path).map_err(Error::file(&path))?;
     Ok(first_difference(lines, &expected))
+}
+
+/// Makes these hashes the ones to be committed.
+///
+/// # Errors
+/// Their file cannot be written.
+pub fn bless(workspace: &Workspace, lines: &[String]) -> Result<(), Error> {
+    let path = expected_path(workspace);
+    fs::write(&path, lines.join("\n") + "\n").map_err(Error::file(&path))
 }
 
 fn first_difference(lines: &[String], expected: &str) -> Option<[String; 2]> {
@@ -90,9 +93,7 @@ fn first_difference(lines: &[String], expected: &str) -> Option<[String; 2]> {
 }
 
 fn expected_path(workspace: &Workspace) -> PathBuf {
-    workspace
-        .root()
-        .join(Path::new("firmware/tests/golden.txt"))
+    workspace.root().join("firmware/tests/golden.txt")
 }
 
 #[cfg(test)]

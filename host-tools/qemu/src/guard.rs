@@ -1,6 +1,6 @@
 //! The images `guard`: they link only if nothing in them can panic.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use crate::{Board, Error, Options, Variant, Workspace, build_variant, run};
 
@@ -55,7 +55,7 @@ pub fn link(workspace: &Workspace, board: Board, variant: &Variant) -> Result<Pa
 ///
 /// # Errors
 /// As of [`run()`], or the image ended in another way than it should.
-pub fn stack_used(elf: &std::path::Path, board: Board) -> Result<u32, Error> {
+pub fn stack_used(elf: &Path, board: Board) -> Result<u32, Error> {
     let run = run(elf, board, &[], &Options::default())?;
     match u32::from_str_radix(run.console.trim_end(), 16) {
         Ok(bytes) if run.succeeded() => Ok(bytes),
