@@ -15,6 +15,15 @@ pub struct CallGraph<'i> {
     root: u64,
 }
 
+/// The deepest stack, and how it comes about.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Depth<'i> {
+    /// Bytes of stack.
+    pub bytes: u32,
+    /// The functions on the way there, with the bytes each takes.
+    pub path: Vec<(&'i str, u32)>,
+}
+
 #[derive(Debug)]
 struct Node<'i> {
     function: &'i Function,
@@ -64,15 +73,14 @@ impl<'i> CallGraph<'i> {
         self.nodes.values().map(|node| node.function)
     }
 
-    /// The most bytes of stack the root and all it calls can take, with the functions on the way
-    /// there and what each takes.
+    /// The most stack the root and all it calls can take.
     ///
     /// An upper bound: all that a function ever pushes counts, even where it does not do all of
     /// it on the way to the call.
     ///
     /// # Errors
     /// Recursion: there is no bound.
-    pub fn deepest_stack(&self) -> Result<(u32, Vec<(&'i str, u32)>), Error> {
+    pub fn deepest_stack(&self) -> Result<Depth<'i>, Error> {
         let mut done = BTreeMap::new();
         self.deepest(self.root, &mut Vec::new(), &mut done)?;
         let mut path = Vec::new();
@@ -85,7 +93,8 @@ impl<'i> CallGraph<'i> {
                 .copied()
                 .max_by_key(|callee| done.get(callee));
         }
-        Ok((done.get(&self.root).copied().unwrap_or_default(), path))
+        let bytes = done.get(&self.root).copied().unwrap_or_default();
+        Ok(Depth { bytes, path })
     }
 
     fn deepest(

@@ -50,7 +50,7 @@ impl Kernel {
         let graph = CallGraph::from(image, root.address, |_| false)?;
         let mut kernel = Self {
             name: name.to_owned(),
-            stack: graph.deepest_stack()?.0,
+            stack: graph.deepest_stack()?.bytes,
             ..Self::default()
         };
         for function in graph.functions() {

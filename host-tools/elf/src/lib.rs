@@ -27,7 +27,7 @@ mod symbols;
 mod tests;
 
 pub use error::Error;
-pub use graph::CallGraph;
+pub use graph::{CallGraph, Depth};
 pub use image::{Function, Image};
 pub use instruction::{Arithmetic, Flow, Instruction, Stack};
 pub use kernel::{Kernel, Site};

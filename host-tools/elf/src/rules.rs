@@ -106,11 +106,12 @@ pub fn judge_image(path: &Path) -> Result<WholeImage, Error> {
     let image = Image::read(path)?;
     // Nothing is cut off: an image that must not panic has no such path.
     let graph = CallGraph::from(&image, image.entry(), |_| false)?;
-    let (stack, deepest) = graph.deepest_stack()?;
+    let deepest = graph.deepest_stack()?;
     let forbidden = forbidden_symbols(image.symbols());
     Ok(WholeImage {
-        stack,
+        stack: deepest.bytes,
         deepest: deepest
+            .path
             .into_iter()
             .map(|(name, bytes)| (name.to_owned(), bytes))
             .collect(),
@@ -129,5 +130,5 @@ pub fn judge_image(path: &Path) -> Result<WholeImage, Error> {
 pub fn stack_without_failures(path: &Path) -> Result<u32, Error> {
     let image = Image::read(path)?;
     let graph = CallGraph::from(&image, image.entry(), is_failure_path)?;
-    Ok(graph.deepest_stack()?.0)
+    Ok(graph.deepest_stack()?.bytes)
 }

@@ -136,12 +136,12 @@ fn the_stack_is_summed_along_the_calls() {
         function("c", 0x3000, &[&[0x84, 0xb0], &[0x04, 0xb0], RETURN]),
     ]);
     let graph = CallGraph::from(&image, 0x1000, |_| false).unwrap();
-    let (bytes, path) = graph.deepest_stack().unwrap();
-    assert_eq!(bytes, 8 + 8 + 16);
-    let names: Vec<&str> = path.iter().map(|(name, _)| *name).collect();
+    let depth = graph.deepest_stack().unwrap();
+    assert_eq!(depth.bytes, 8 + 8 + 16);
+    let names: Vec<&str> = depth.path.iter().map(|(name, _)| *name).collect();
     assert_eq!(names, ["tempco::a", "tempco::b", "tempco::c"]);
     let graph = CallGraph::from(&image, 0x1000, |name| name == "tempco::c").unwrap();
-    assert_eq!(graph.deepest_stack().unwrap().0, 16);
+    assert_eq!(graph.deepest_stack().unwrap().bytes, 16);
 }
 
 #[test]
