@@ -38,6 +38,8 @@ mod image {
         // What goes wrong is of no interest, only that it may.
         _ = black_box(tables());
         _ = black_box(records());
+        #[cfg(feature = "seeded-panic")]
+        black_box(TABLES[black_box(0)]);
         report_and_exit()
     }
 

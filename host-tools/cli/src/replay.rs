@@ -30,7 +30,7 @@ pub(crate) struct Args {
     /// Where the firmware runs
     #[arg(long, value_enum)]
     target: Target,
-    /// Board to build for: mps2-an386 or stm32f405
+    /// Board to build for: mps2-an386, stm32f405, mps2-an500 or mps2-an505
     #[arg(long, default_value = "mps2-an386")]
     board: Board,
     #[command(flatten)]

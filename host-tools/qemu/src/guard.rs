@@ -42,11 +42,20 @@ pub const VARIANTS: [Variant; 4] = [
     },
 ];
 
+/// The control: an index that may be out of bounds is put in, so this must not link.
+pub const SEEDED: Variant = Variant {
+    name: "seeded-panic",
+    features: &["seeded-panic"],
+    config: &[],
+};
+
+/// The symbol whose absence keeps an image that could panic from linking.
+pub const MISSING_SYMBOL: &str = "tempco_link_guard_this_image_could_panic";
+
 /// Builds an image `guard`; the proof is that this succeeds.
 ///
 /// # Errors
-/// Something in it can panic: the linker then names the missing symbol
-/// `tempco_link_guard_this_image_could_panic`.
+/// Something in it can panic: the linker then names [`MISSING_SYMBOL`].
 pub fn link(workspace: &Workspace, board: Board, variant: &Variant) -> Result<PathBuf, Error> {
     build_variant(workspace, board, "guard", None, variant)
 }
