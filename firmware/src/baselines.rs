@@ -11,6 +11,31 @@ const SEGMENTS: usize = 4;
 /// Points of the look-up table.
 const POINTS: usize = 14;
 
+/// All of them.
+#[derive(Clone, Debug)]
+pub struct Baselines<const A: usize> {
+    /// A cubic in the temperature.
+    pub cubic: Cubic<A>,
+    /// A look-up table.
+    pub lookup_14: Lookup14<A>,
+    /// The composite model in single precision.
+    pub composite_f32: CompositeF32<A>,
+    /// The composite model in double precision.
+    pub composite_f64: CompositeF64<A>,
+}
+
+impl<const A: usize> Baselines<A> {
+    /// With coefficients read off a table.
+    pub fn new(table: &Table<'_, A>) -> Self {
+        Self {
+            cubic: Cubic::new(table),
+            lookup_14: Lookup14::new(table),
+            composite_f32: CompositeF32::new(table),
+            composite_f64: CompositeF64::new(table),
+        }
+    }
+}
+
 fn bias_at<const A: usize>(table: &Table<'_, A>, effective_c: f32, rate: f32) -> [f32; A] {
     let point = ThermalPoint {
         effective_c,

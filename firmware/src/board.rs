@@ -4,6 +4,8 @@
 //! name. A board whose clocks or pins must be set up does that in a function of its module.
 
 pub mod mps2_an386;
+pub mod mps2_an500;
+pub mod mps2_an505;
 pub mod stm32f405;
 
 /// A board as the images see it.
@@ -18,6 +20,10 @@ pub struct Board {
 /// The board this image is for.
 pub const BOARD: Board = if cfg!(feature = "board-stm32f405") {
     stm32f405::BOARD
+} else if cfg!(feature = "board-mps2-an500") {
+    mps2_an500::BOARD
+} else if cfg!(feature = "board-mps2-an505") {
+    mps2_an505::BOARD
 } else {
     mps2_an386::BOARD
 };

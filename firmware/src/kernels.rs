@@ -5,7 +5,8 @@
 
 use tempco::{Compensator, Interval, Output, Table, TwoRateCompensator};
 
-use crate::baselines::{CompositeF32, CompositeF64, Cubic, Lookup14};
+#[cfg(not(feature = "link-guard"))]
+use crate::baselines::Baselines;
 
 /// The compensators under measurement, with their state.
 ///
@@ -17,14 +18,9 @@ pub struct Units<'t, const A: usize> {
     pub single: Compensator<'t, A>,
     /// The two-rate pair.
     pub two_rate: TwoRateCompensator<'t, A>,
-    /// A baseline.
-    pub cubic: Cubic<A>,
-    /// A baseline.
-    pub lookup_14: Lookup14<A>,
-    /// A baseline.
-    pub composite_f32: CompositeF32<A>,
-    /// A baseline.
-    pub composite_f64: CompositeF64<A>,
+    /// What is usually done instead; no part of an image that proves something of the core.
+    #[cfg(not(feature = "link-guard"))]
+    pub baselines: Baselines<A>,
     /// Where [`interval`] puts its result.
     pub interval: Interval,
     table: &'t Table<'t, A>,
@@ -53,10 +49,8 @@ impl<'t, const A: usize> Units<'t, A> {
         Self {
             single: Compensator::new(table),
             two_rate: TwoRateCompensator::new(table, samples_per_update),
-            cubic: Cubic::new(table),
-            lookup_14: Lookup14::new(table),
-            composite_f32: CompositeF32::new(table),
-            composite_f64: CompositeF64::new(table),
+            #[cfg(not(feature = "link-guard"))]
+            baselines: Baselines::new(table),
             interval: Interval::new(table.thermal(), 0.0),
             table,
         }
@@ -105,20 +99,22 @@ pub fn interval<const A: usize>(units: &mut Units<'_, A>, inputs: &Inputs<A>, _:
 }
 
 /// Measured functions of the baselines, of the names of their fields.
+#[cfg(not(feature = "link-guard"))]
 macro_rules! baselines {
     ($($name:ident: $what:ident;)+) => {$(
-        #[doc = concat!("A baseline: [`", stringify!($what), "`].")]
+        #[doc = concat!("A baseline: [`", stringify!($what), "`](crate::baselines::", stringify!($what), ").")]
         #[inline(never)]
         pub fn $name<const A: usize>(
             units: &mut Units<'_, A>,
             inputs: &Inputs<A>,
             out: &mut Output<A>,
         ) {
-            units.$name.compensate(inputs.temp_c, inputs.raw, out);
+            units.baselines.$name.compensate(inputs.temp_c, inputs.raw, out);
         }
     )+};
 }
 
+#[cfg(not(feature = "link-guard"))]
 baselines! {
     cubic: Cubic;
     lookup_14: Lookup14;

@@ -4,18 +4,24 @@
 //! - [`table`]: the coefficient table built into the image
 //! - [`board`]: what differs between boards
 //! - [`baselines`]: what is usually done instead
+//! - [`golden`]: samples and a hash of what becomes of them, to compare host and targets
 //! - [`kernels`]: the functions whose instructions the `bench` image counts
 //! - `target`: semihosting, panics and faults; only on a target
+//! - `guard`: in place of `target` with the feature `link-guard`, a panic that does not link
 //!
 //! The images are in `src/bin`. On the host they compile to programs that say so.
 #![no_std]
 
 pub mod app;
+#[cfg(not(feature = "link-guard"))]
 pub mod baselines;
 pub mod board;
+pub mod golden;
+#[cfg(all(target_os = "none", feature = "link-guard"))]
+pub mod guard;
 pub mod kernels;
 pub mod table;
-#[cfg(target_os = "none")]
+#[cfg(all(target_os = "none", not(feature = "link-guard")))]
 pub mod target;
 
 #[cfg(not(target_os = "none"))]

@@ -207,7 +207,7 @@ fn kernels_do_what_they_are_named_after() {
 
     kernels::cubic(&mut units, &inputs, &mut output);
     for axis in 0..A {
-        let [c0, c1, c2, c3] = units.cubic.coefficients[axis].map(f64::from);
+        let [c0, c1, c2, c3] = units.baselines.cubic.coefficients[axis].map(f64::from);
         let bias = c0 + c1 + c2 + c3;
         assert!((f64::from(output.bias[axis]) - bias).abs() < 1e-6);
         assert_eq!(
@@ -215,8 +215,14 @@ fn kernels_do_what_they_are_named_after() {
             inputs.raw[axis] - output.bias[axis]
         );
     }
-    units.cubic.compensate(1e9, inputs.raw, &mut output);
+    units
+        .baselines
+        .cubic
+        .compensate(1e9, inputs.raw, &mut output);
     let hottest = output.bias;
-    units.cubic.compensate(80.0, inputs.raw, &mut output);
+    units
+        .baselines
+        .cubic
+        .compensate(80.0, inputs.raw, &mut output);
     assert_eq!(output.bias, hottest);
 }

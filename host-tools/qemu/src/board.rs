@@ -3,7 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-use crate::Error;
+use crate::{Error, TARGET};
 
 /// A board of the firmware that QEMU has a machine for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -13,17 +13,28 @@ pub enum Board {
     Mps2An386,
     /// STM32F405, as on the Netduino Plus 2.
     Stm32F405,
+    /// Arm MPS2 with the AN500 image: a Cortex-M7.
+    Mps2An500,
+    /// Arm MPS2 with the AN505 image: a Cortex-M33.
+    Mps2An505,
 }
 
 impl Board {
     /// Every board, the reference board first.
-    pub const ALL: [Self; 2] = [Self::Mps2An386, Self::Stm32F405];
+    pub const ALL: [Self; 4] = [
+        Self::Mps2An386,
+        Self::Stm32F405,
+        Self::Mps2An500,
+        Self::Mps2An505,
+    ];
 
     /// Name, as in the firmware's memory file.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Mps2An386 => "mps2-an386",
             Self::Stm32F405 => "stm32f405",
+            Self::Mps2An500 => "mps2-an500",
+            Self::Mps2An505 => "mps2-an505",
         }
     }
 
@@ -35,8 +46,26 @@ impl Board {
     /// QEMU's machine.
     pub const fn machine(self) -> &'static str {
         match self {
-            Self::Mps2An386 => "mps2-an386",
             Self::Stm32F405 => "netduinoplus2",
+            other => other.name(),
+        }
+    }
+
+    /// The Rust target of its images.
+    pub const fn target(self) -> &'static str {
+        match self {
+            Self::Mps2An386 | Self::Stm32F405 | Self::Mps2An500 => TARGET,
+            Self::Mps2An505 => "thumbv8m.main-none-eabihf",
+        }
+    }
+
+    /// The processor its images are compiled for. It is more than the target's default: with it
+    /// the compiler knows what the processor has, and which of its instructions are fast.
+    pub const fn cpu(self) -> &'static str {
+        match self {
+            Self::Mps2An386 | Self::Stm32F405 => "cortex-m4",
+            Self::Mps2An500 => "cortex-m7",
+            Self::Mps2An505 => "cortex-m33",
         }
     }
 }
@@ -70,7 +99,8 @@ mod tests {
         let error = "mps2".parse::<Board>().unwrap_err().to_string();
         assert_eq!(
             error,
-            "there is no board `mps2`; the boards are mps2-an386, stm32f405"
+            "there is no board `mps2`; the boards are \
+             mps2-an386, stm32f405, mps2-an500, mps2-an505"
         );
     }
 }

@@ -6,12 +6,8 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::{env, fs};
 
-use crate::install::{TARGET, checked};
+use crate::install::checked;
 use crate::{Board, Error, Workspace};
-
-/// The processor of all boards. It is more than the target's default: with it the compiler knows
-/// that a separate multiplication and addition are faster than VMLA.
-const RUSTFLAGS: &str = r#"target.thumbv7em-none-eabihf.rustflags=["-C","target-cpu=cortex-m4"]"#;
 
 /// Environment variables that would change the image, by their first letters. `cargo` sets some
 /// of them for the programs it runs, coverage and lint tools others.
@@ -28,6 +24,26 @@ const FOREIGN: [&str; 10] = [
     "DEFMT_LOG",
 ];
 
+/// How an image is compiled, apart from what is in it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Variant {
+    /// Tells its images from others; empty for the usual one.
+    pub name: &'static str,
+    /// Cargo features of the firmware beyond the board's.
+    pub features: &'static [&'static str],
+    /// Values for cargo's `--config`.
+    pub config: &'static [&'static str],
+}
+
+impl Variant {
+    /// The release profile as it is.
+    pub const USUAL: Self = Self {
+        name: "",
+        features: &[],
+        config: &[],
+    };
+}
+
 /// Builds the firmware's binary `bin` for a board and returns the image's path.
 ///
 /// With `table`, the coefficient table in that file is built in, else the example. Every
@@ -41,63 +57,133 @@ pub fn build(
     bin: &str,
     table: Option<&Path>,
 ) -> Result<PathBuf, Error> {
+    build_variant(workspace, board, bin, table, &Variant::USUAL)
+}
+
+/// As [`build()`], compiled in another way.
+///
+/// # Errors
+/// As of [`build()`]; what the linker says is among them.
+pub fn build_variant(
+    workspace: &Workspace,
+    board: Board,
+    bin: &str,
+    table: Option<&Path>,
+    variant: &Variant,
+) -> Result<PathBuf, Error> {
     let table = table
         .map(|path| path.canonicalize().map_err(Error::file(path)))
         .transpose()?;
     let target_dir = workspace.target_dir();
-    let name = image_name(board, bin, table.as_deref())?;
+    let name = image_name(board, bin, table.as_deref(), variant)?;
 
     // Held until the image is copied, or the next build could come in between.
     let _lock = workspace.lock()?;
-    checked(&mut cargo(
-        workspace,
+    let mut command = cargo(workspace, &target_dir, bin, variant);
+    command.arg("--release");
+    checked(&mut cargo_for(board, table.as_deref(), variant, command))?;
+    let built = target_dir.join(board.target()).join("release").join(bin);
+    keep(&built, &target_dir, &name)
+}
+
+/// Builds a binary of the firmware as a program for this machine, with the example table.
+///
+/// # Errors
+/// The compiler's words, if it refuses.
+pub fn build_host(
+    workspace: &Workspace,
+    bin: &str,
+    profile: Profile,
+    variant: &Variant,
+) -> Result<PathBuf, Error> {
+    let target_dir = workspace.target_dir();
+    let _lock = workspace.lock()?;
+    let (argument, folder) = match profile {
+        Profile::Dev => ("dev", "debug"),
+        Profile::Release => ("release", "release"),
+    };
+    let mut command = cargo(workspace, &target_dir, bin, variant);
+    checked(command.args(["--profile", argument]))?;
+    let built = target_dir.join(folder).join(bin);
+    let name = format!("{bin}-host-{folder}{}", variant.name);
+    keep(
+        &built.with_extension(env::consts::EXE_EXTENSION),
         &target_dir,
-        board,
-        bin,
-        table.as_deref(),
-    ))?;
-    let built = target_dir.join(TARGET).join("release").join(bin);
+        &name,
+    )
+}
+
+/// A profile of cargo.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Profile {
+    /// Little optimisation, with overflow checks and debug assertions.
+    Dev,
+    /// All optimisation, no checks.
+    Release,
+}
+
+/// Copies what was built to where the next build does not overwrite it.
+fn keep(built: &Path, target_dir: &Path, name: &str) -> Result<PathBuf, Error> {
     let images = target_dir.join("images");
     fs::create_dir_all(&images).map_err(Error::file(&images))?;
     let image = images.join(name);
     // Renamed into place: another process may be running the image that was there.
     let partial = image.with_extension("partial");
-    fs::copy(&built, &partial).map_err(Error::file(&built))?;
+    fs::copy(built, &partial).map_err(Error::file(built))?;
     fs::rename(&partial, &image).map_err(Error::file(&image))?;
     Ok(image)
 }
 
 /// A file name for each combination: tables are told apart by what is in them.
-fn image_name(board: Board, bin: &str, table: Option<&Path>) -> Result<String, Error> {
-    let Some(path) = table else {
-        return Ok(format!("{bin}-{board}.elf"));
-    };
-    let mut hasher = DefaultHasher::new();
-    fs::read(path).map_err(Error::file(path))?.hash(&mut hasher);
-    Ok(format!("{bin}-{board}-{:016x}.elf", hasher.finish()))
-}
-
-fn cargo(
-    workspace: &Workspace,
-    target_dir: &Path,
+fn image_name(
     board: Board,
     bin: &str,
     table: Option<&Path>,
-) -> Command {
+    variant: &Variant,
+) -> Result<String, Error> {
+    let mut name = format!("{bin}-{board}");
+    if !variant.name.is_empty() {
+        name = format!("{name}-{}", variant.name);
+    }
+    if let Some(path) = table {
+        let mut hasher = DefaultHasher::new();
+        fs::read(path).map_err(Error::file(path))?.hash(&mut hasher);
+        name = format!("{name}-{:016x}", hasher.finish());
+    }
+    Ok(name + ".elf")
+}
+
+fn cargo_for(board: Board, table: Option<&Path>, variant: &Variant, mut cargo: Command) -> Command {
+    let rustflags = format!(
+        r#"target.{}.rustflags=["-C","target-cpu={}"]"#,
+        board.target(),
+        board.cpu()
+    );
+    let board_feature = board.feature();
+    let features = [&[board_feature.as_str()], variant.features].concat();
+    cargo
+        .args(["--target", board.target(), "--config", &rustflags])
+        .args(["--no-default-features", "--features", &features.join(",")])
+        .env("DEFMT_LOG", "info");
+    if let Some(table) = table {
+        cargo.env("TEMPCO_TABLE", table);
+    }
+    cargo
+}
+
+/// Builds one of the firmware's binaries, on a profile changed as the variant says.
+fn cargo(workspace: &Workspace, target_dir: &Path, bin: &str, variant: &Variant) -> Command {
     let mut cargo = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     for (name, _) in env::vars_os().filter(|(name, _)| is_foreign(name)) {
         cargo.env_remove(name);
     }
     cargo
         .current_dir(workspace.root())
-        .args(["build", "--release", "--package", "tempco-firmware"])
-        .args(["--target", TARGET, "--config", RUSTFLAGS])
-        .args(["--no-default-features", "--features", &board.feature()])
-        .args(["--bin", bin, "--target-dir"])
-        .arg(target_dir)
-        .env("DEFMT_LOG", "info");
-    if let Some(table) = table {
-        cargo.env("TEMPCO_TABLE", table);
+        .args(["build", "--package", "tempco-firmware", "--bin", bin])
+        .arg("--target-dir")
+        .arg(target_dir);
+    for config in variant.config {
+        cargo.args(["--config", config]);
     }
     cargo
 }

@@ -48,9 +48,9 @@ pub enum Error {
     #[error("{missing} is not installed; install it with: {command}")]
     Missing {
         /// What is missing.
-        missing: &'static str,
+        missing: String,
         /// How to install it.
-        command: &'static str,
+        command: String,
     },
     /// The image did not end in time and was killed.
     #[error("the image did not end within {limit:?} and was killed; its log: {log:#?}")]

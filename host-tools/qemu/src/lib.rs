@@ -3,12 +3,14 @@
 //! One module per concern, each usable alone:
 //!
 //! - [`Workspace`]: where the sources are
-//! - [`ensure_target`], [`ensure_qemu`]: install what is missing
+//! - [`ensure_target`], [`ensure_target_of`], [`ensure_qemu`]: install what is missing
 //! - [`build`]: an image for a [`Board`], with a coefficient table
 //! - [`code()`]: the machine code of one of its functions
 //! - [`Layout`]: where an image lies in memory, and how much of it it takes
 //! - [`run()`]: an image in QEMU, with a time limit, its exit code and its decoded log
 //! - [`replay()`]: a log through the `replay` image
+//! - [`guard`]: images that link only if they cannot panic
+//! - [`golden`]: hashes of what host and targets make of the same samples
 //!
 //! A replay is bytes in and bytes out, in the format of `tempco-replay`. The same firmware behind
 //! a serial port would be a sibling of [`replay()`] that needs nothing else from this crate.
@@ -31,6 +33,8 @@ mod board;
 mod build;
 mod code;
 mod error;
+pub mod golden;
+pub mod guard;
 mod install;
 mod layout;
 mod log;
@@ -39,10 +43,10 @@ mod run;
 mod workspace;
 
 pub use board::Board;
-pub use build::build;
+pub use build::{Profile, Variant, build, build_host, build_variant};
 pub use code::code;
 pub use error::Error;
-pub use install::{TARGET, ensure_qemu, ensure_target};
+pub use install::{TARGET, ensure_qemu, ensure_target, ensure_target_of};
 pub use layout::Layout;
 pub use replay::replay;
 pub use run::{Options, Run, run};

@@ -39,6 +39,8 @@ pub struct Run {
     pub exit_code: i32,
     /// What the image logged, a message each.
     pub log: Vec<String>,
+    /// What the image wrote to semihosting's console, which is apart from the log.
+    pub console: String,
 }
 
 impl Run {
@@ -84,7 +86,11 @@ pub fn run(elf: &Path, board: Board, args: &[&str], options: &Options) -> Result
         }),
         // The images say something whatever happens, so this was not the image.
         Some(code) if code != 0 && log.is_empty() => Err(Error::Emulator { status, stderr }),
-        Some(exit_code) => Ok(Run { exit_code, log }),
+        Some(exit_code) => Ok(Run {
+            exit_code,
+            log,
+            console: stderr,
+        }),
     }
 }
 

@@ -11,8 +11,9 @@ use tempco_qemu::{Board, Error, Layout, Options, build, run};
 #[test]
 fn each_board_has_its_own_memory() {
     let memory = |board| match board {
-        Board::Mps2An386 => (0x0000_0000, 0x2000_0000, 0x2040_0000),
-        _ => (0x0800_0000, 0x2000_0000, 0x2002_0000),
+        Board::Stm32F405 => (0x0800_0000, 0x2000_0000, 0x2002_0000),
+        Board::Mps2An505 => (0x1000_0000, 0x3800_0000, 0x3820_0000),
+        _ => (0x0000_0000, 0x2000_0000, 0x2040_0000),
     };
     for board in Board::ALL {
         let layout = Layout::of(&image(board, "replay", None)).unwrap();
@@ -33,11 +34,11 @@ fn each_board_has_its_own_memory() {
 fn images_are_compiled_for_the_processor_of_the_boards() {
     for board in Board::ALL {
         let elf = fs::read(image(board, "replay", None)).unwrap();
-        let name = b"cortex-m4\0";
-        assert!(
-            elf.windows(name.len()).any(|window| window == name),
-            "{board}"
-        );
+        let name = format!("{}\0", board.cpu());
+        let found = elf
+            .windows(name.len())
+            .any(|window| window == name.as_bytes());
+        assert!(found, "{board}");
     }
 }
 

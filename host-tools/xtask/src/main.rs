@@ -1,9 +1,11 @@
 //! `cargo xtask`: the demo, the tests and the benchmarks, each from a bare machine.
 
 mod bench;
+mod check;
 mod cycles;
 mod demo;
 mod figure;
+mod golden;
 mod run;
 mod test;
 
@@ -25,6 +27,10 @@ enum Task {
     Demo,
     /// Formatting, lints, documentation and every test, those in QEMU included
     Test,
+    /// What the linked images consist of: no panics, no branch on data, the worst-case stack
+    Check,
+    /// The same bits on hosts and targets, over ten million samples
+    Golden(golden::Args),
     /// Executed instructions on the target, rows per second on the host
     Bench(bench::Args),
 }
@@ -33,6 +39,8 @@ fn main() -> ExitCode {
     let result = match Cli::parse().task {
         Task::Demo => demo::run(),
         Task::Test => test::run(),
+        Task::Check => check::run(),
+        Task::Golden(args) => golden::run(&args),
         Task::Bench(args) => bench::run(&args),
     };
     match result {

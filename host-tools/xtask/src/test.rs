@@ -27,6 +27,13 @@ pub(crate) fn run() -> Result<()> {
             &["--", "-D", "warnings"],
         ]
         .concat(),
+        [
+            &["clippy", "--bin", "guard", "--locked"][..],
+            &["--features", "link-guard"],
+            &firmware,
+            &["--", "-D", "warnings"],
+        ]
+        .concat(),
     ] {
         step(&workspace, &mut cargo(&workspace, &job))?;
     }

@@ -5,13 +5,15 @@ use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
 use tempco::Table;
-use tempco_qemu::{Board, Workspace, build, ensure_qemu, ensure_target};
+use tempco_qemu::{Board, Workspace, build, ensure_qemu, ensure_target_of};
 use tempco_replay::{Header, Outcome, Record, Replay, Sample, Summary};
 
 /// The checkout, on a machine that has all that is needed.
 pub static WORKSPACE: LazyLock<Workspace> = LazyLock::new(|| {
     let workspace = Workspace::find().unwrap();
-    ensure_target(&workspace).unwrap();
+    for board in Board::ALL {
+        ensure_target_of(&workspace, board).unwrap();
+    }
     ensure_qemu(&workspace).unwrap();
     workspace
 });

@@ -1,0 +1,181 @@
+//! Golden vectors: samples made of integers, and a hash of every bit the core makes of them.
+//!
+//! Host and targets run this very code. Equal hashes say that no bit of any output differed; the
+//! hash is taken after each million samples, so a difference is found to within a million. Before
+//! the first million comes a short run on subnormal numbers, with a hash of its own: a processor
+//! that flushes them to zero shows there.
+
+mod samples;
+
+use tempco::{Compensator, Interval, Output, Table, TwoRateCompensator};
+
+use samples::{Sample, Samples};
+
+/// Samples of the run on subnormal numbers.
+const SUBNORMAL_SAMPLES: u32 = 10_000;
+/// Gyro samples per thermal update of the two-rate pair.
+const SAMPLES_PER_UPDATE: u16 = 8;
+
+/// Steps `millions` of samples through the single-call and the two-rate compensators of all
+/// tables. Calls `report` with 0 and the hash of the subnormal run, then with the number of each
+/// million and the hash of all samples up to it.
+pub fn run<const C: usize, const A: usize>(
+    tables: &[Table<'_, A>; C],
+    millions: u32,
+    mut report: impl FnMut(u32, u64),
+) {
+    let mut golden = Golden::new(tables);
+    for _ in 0..SUBNORMAL_SAMPLES {
+        let sample = golden.samples.subnormal();
+        golden.step(&sample);
+    }
+    report(0, golden.hash());
+    golden = Golden::new(tables);
+    for million in 1..=millions {
+        for _ in 0..1_000_000 {
+            let sample = golden.samples.hostile();
+            golden.step(&sample);
+        }
+        report(million, golden.hash());
+    }
+}
+
+/// The compensators of one temperature channel.
+struct Unit<'t, const A: usize> {
+    table: &'t Table<'t, A>,
+    single: Compensator<'t, A>,
+    two_rate: TwoRateCompensator<'t, A>,
+}
+
+struct Golden<'t, const C: usize, const A: usize> {
+    units: [Unit<'t, A>; C],
+    samples: Samples,
+    count: u32,
+    hash: Fnv,
+}
+
+impl<'t, const C: usize, const A: usize> Golden<'t, C, A> {
+    fn new(tables: &'t [Table<'t, A>; C]) -> Self {
+        Self {
+            units: tables.each_ref().map(|table| Unit {
+                table,
+                single: Compensator::new(table),
+                two_rate: TwoRateCompensator::new(table, SAMPLES_PER_UPDATE),
+            }),
+            samples: Samples::new(),
+            count: 0,
+            hash: Fnv::new(),
+        }
+    }
+
+    fn step(&mut self, sample: &Sample<A>) {
+        let updates = self.count.is_multiple_of(u32::from(SAMPLES_PER_UPDATE));
+        for unit in &mut self.units {
+            let thermal = unit.table.thermal();
+            if self.count == 0 {
+                unit.single.start(sample.temp_c);
+                unit.two_rate.start(sample.temp_c);
+            }
+            // Some updates are left out, so that the ramp ends and goes overdue.
+            if updates & !sample.skips_update {
+                let dt_s = sample.dt_s * f32::from(SAMPLES_PER_UPDATE);
+                let interval = Interval::new(thermal, dt_s);
+                unit.two_rate.update(&interval, sample.temp_c);
+            }
+            let interval = Interval::new(thermal, sample.dt_s);
+            let output = unit.single.step(&interval, sample.temp_c, sample.raw);
+            self.hash.output(&output);
+            let two_rate = &mut unit.two_rate;
+            let output = Output {
+                compensated: two_rate.compensate(sample.raw),
+                bias: two_rate.bias(),
+                point: two_rate.point(),
+                status: two_rate.status(),
+            };
+            self.hash.output(&output);
+        }
+        self.count = self.count.wrapping_add(1);
+    }
+
+    /// The hash of all outputs, and of the counters of faults.
+    fn hash(&self) -> u64 {
+        let mut hash = self.hash;
+        for unit in &self.units {
+            for state in [unit.single.thermal_state(), unit.two_rate.thermal_state()] {
+                hash.word(state.rejected());
+                hash.word(state.restarts());
+            }
+        }
+        hash.0
+    }
+}
+
+/// FNV-1a of 64 bits over little-endian words.
+#[derive(Clone, Copy)]
+struct Fnv(u64);
+
+impl Fnv {
+    const fn new() -> Self {
+        Self(0xcbf2_9ce4_8422_2325)
+    }
+
+    fn word(&mut self, word: u32) {
+        for byte in word.to_le_bytes() {
+            self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);
+        }
+    }
+
+    /// Every bit of an output, but that a NaN counts as one: which one an operation makes differs
+    /// between processors.
+    fn output<const A: usize>(&mut self, output: &Output<A>) {
+        for value in output.compensated {
+            self.word(if value.is_nan() {
+                0x7fc0_0000
+            } else {
+                value.to_bits()
+            });
+        }
+        for value in output.bias {
+            self.word(value.to_bits());
+        }
+        self.word(output.point.effective_c.to_bits());
+        self.word(output.point.rate_c_per_min.to_bits());
+        self.word(u32::from(output.point.status.bits()));
+        self.word(u32::from(output.status.bits()));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The published test vector of the hash for `foobar`, of which a word is four bytes.
+    #[test]
+    fn the_hash_is_fnv_1a() {
+        let mut hash = Fnv::new();
+        hash.word(u32::from_le_bytes(*b"foob"));
+        for byte in *b"ar" {
+            hash.0 = (hash.0 ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);
+        }
+        assert_eq!(hash.0, 0x8594_4171_f739_67e8);
+    }
+
+    #[test]
+    fn one_bit_of_one_output_changes_the_hash() {
+        let table = &crate::table::TABLES[0];
+        let mut unit = Compensator::new(table);
+        let interval = Interval::new(table.thermal(), 0.1);
+        let output = unit.step(&interval, 25.0, [0.5; crate::table::AXES]);
+        let hash = |output| {
+            let mut hash = Fnv::new();
+            hash.output(output);
+            hash.0
+        };
+        let mut other = output;
+        other.bias[1] = other.bias[1].next_up();
+        assert_ne!(hash(&other), hash(&output));
+        let mut other = output;
+        other.compensated[0] = -other.compensated[0];
+        assert_ne!(hash(&other), hash(&output));
+    }
+}
