@@ -4,16 +4,12 @@ use std::path::Path;
 
 use crate::{CallGraph, Error, Image, Kernel, Lines, Site, forbidden_symbols, is_failure_path};
 
-/// The choice between an interval and a gap, which is made outside the step.
-const GAP: &str = "tempco::interval::Interval::new";
-
-/// The functions that run for every sample, each with the source functions from which it may have
-/// a conditional branch.
-pub const KERNELS: [(&str, &[&str]); 4] = [
-    ("kernels::step", &[]),
-    ("kernels::update", &[]),
-    ("kernels::compensate", &[]),
-    ("kernels::interval", &[GAP]),
+/// The functions that run for every sample.
+pub const KERNELS: [&str; 4] = [
+    "kernels::step",
+    "kernels::update",
+    "kernels::compensate",
+    "kernels::interval",
 ];
 
 /// A kernel with what was found in it.
@@ -21,8 +17,6 @@ pub const KERNELS: [(&str, &[&str]); 4] = [
 pub struct Judged {
     /// The kernel.
     pub kernel: Kernel,
-    /// The branches that are allowed, and the source functions they come from.
-    pub allowed: Vec<String>,
     /// What is not allowed, in words; empty for a good kernel.
     pub faults: Vec<String>,
 }
@@ -34,28 +28,22 @@ pub struct Judged {
 pub fn judge_kernels(path: &Path) -> Result<Vec<Judged>, Error> {
     let image = Image::read(path)?;
     let lines = Lines::read(path)?;
-    let judged = KERNELS.iter().map(|(name, allowed)| {
+    let judged = KERNELS.iter().map(|name| {
         let kernel = Kernel::read(&image, name)?;
-        Ok(judge(kernel, allowed, |address| lines.functions(address)))
+        Ok(judge(kernel, |address| lines.functions(address)))
     });
     judged.collect()
 }
 
-fn judge(kernel: Kernel, allowed: &[&str], origin: impl Fn(u64) -> Vec<String>) -> Judged {
+fn judge(kernel: Kernel, origin: impl Fn(u64) -> Vec<String>) -> Judged {
     let mut judged = Judged {
-        allowed: Vec::new(),
         faults: Vec::new(),
         kernel,
     };
     for site in &judged.kernel.branches {
-        let functions = origin(site.address);
-        let innermost = functions.first().map_or("", String::as_str);
-        let text = format!("{} from {}", shown(site), functions.join(" in "));
-        if allowed.iter().any(|allowed| innermost.ends_with(allowed)) {
-            judged.allowed.push(text);
-        } else {
-            judged.faults.push(format!("conditional branch: {text}"));
-        }
+        let functions = origin(site.address).join(" in ");
+        let text = format!("conditional branch: {} from {functions}", shown(site));
+        judged.faults.push(text);
     }
     let kernel = &judged.kernel;
     for (kind, sites) in [

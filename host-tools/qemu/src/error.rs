@@ -27,12 +27,12 @@ pub enum Error {
     #[error("there is no board `{0}`; the boards are {list}", list = Board::ALL.map(Board::name).join(", "))]
     UnknownBoard(String),
     /// A program could not be started.
-    #[error("starting `{program}`: {source}")]
+    #[error("starting `{program}`: {cause}")]
     Start {
         /// The program.
         program: String,
         /// Why.
-        source: io::Error,
+        cause: io::Error,
     },
     /// A program ran and failed.
     #[error("`{command}` failed ({status}):\n{stderr}")]
@@ -87,21 +87,21 @@ pub enum Error {
         reason: String,
     },
     /// A file could not be read or written.
-    #[error("{path}: {source}")]
+    #[error("{path}: {cause}")]
     File {
         /// The file.
         path: PathBuf,
         /// Why.
-        source: io::Error,
+        cause: io::Error,
     },
 }
 
 impl Error {
     /// For `map_err`: an I/O error with the file it was about.
     pub(crate) fn file(path: &Path) -> impl FnOnce(io::Error) -> Self + '_ {
-        move |source| Self::File {
+        move |cause| Self::File {
             path: path.to_owned(),
-            source,
+            cause,
         }
     }
 

@@ -91,9 +91,9 @@ fn is_root() -> bool {
 
 /// Runs a command to its end; a failure carries what it said.
 pub(crate) fn checked(command: &mut Command) -> Result<Output, Error> {
-    let output = command.output().map_err(|source| Error::Start {
+    let output = command.output().map_err(|cause| Error::Start {
         program: command.get_program().to_string_lossy().into_owned(),
-        source,
+        cause,
     })?;
     if output.status.success() {
         return Ok(output);

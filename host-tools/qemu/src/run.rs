@@ -62,9 +62,9 @@ pub fn run(elf: &Path, board: Board, args: &[&str], options: &Options) -> Result
     let table = log::table(&elf, &fs::read(&elf).map_err(Error::file(&elf))?)?;
 
     let mut command = qemu(&elf, board, args, options);
-    let mut child = command.spawn().map_err(|source| Error::Start {
+    let mut child = command.spawn().map_err(|cause| Error::Start {
         program: "qemu-system-arm".to_owned(),
-        source,
+        cause,
     })?;
     let stdout = collect(child.stdout.take());
     let stderr = collect(child.stderr.take());

@@ -38,7 +38,6 @@ fn kernels(workspace: &Workspace) -> Result<Vec<String>> {
         "stack"
     );
     let mut faults = Vec::new();
-    let mut notes = Vec::new();
     for judged in judge_kernels(&image)? {
         let kernel = &judged.kernel;
         println!(
@@ -54,11 +53,7 @@ fn kernels(workspace: &Workspace) -> Result<Vec<String>> {
             kernel.doubles.len(),
             kernel.stack
         );
-        notes.extend(judged.allowed);
         faults.extend(judged.faults);
-    }
-    for note in notes {
-        println!("  allowed branch {note}");
     }
     Ok(faults)
 }
