@@ -3,6 +3,8 @@
 //! Adding a board: a module here, a memory file in `firmware/boards`, and a feature, all of one
 //! name. A board whose clocks or pins must be set up does that in a function of its module.
 
+pub mod microbit;
+pub mod mps2_an385;
 pub mod mps2_an386;
 pub mod stm32f405;
 
@@ -18,6 +20,10 @@ pub struct Board {
 /// The board this image is for.
 pub const BOARD: Board = if cfg!(feature = "board-stm32f405") {
     stm32f405::BOARD
+} else if cfg!(feature = "board-mps2-an385") {
+    mps2_an385::BOARD
+} else if cfg!(feature = "board-microbit") {
+    microbit::BOARD
 } else {
     mps2_an386::BOARD
 };

@@ -3,6 +3,7 @@
 //! - [`app`]: the application, generic over `embedded-io`; runs and is tested on the host too
 //! - [`table`]: the coefficient table built into the image
 //! - [`board`]: what differs between boards
+//! - [`fixed`]: what the images of the integer core share with the host
 //! - [`kernels`]: the functions whose instructions the `bench` image counts
 //! - `target`: semihosting, panics and faults; only on a target
 //!
@@ -11,6 +12,8 @@
 
 pub mod app;
 pub mod board;
+pub mod fixed;
+pub mod fixed_kernels;
 pub mod kernels;
 pub mod table;
 #[cfg(target_os = "none")]

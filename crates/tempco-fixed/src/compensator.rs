@@ -79,7 +79,7 @@ pub(crate) fn subtract<const AXES: usize>(
 ) -> FixedOutput<AXES> {
     let mut wrong = Mask::NO;
     let compensated = core::array::from_fn(|axis| {
-        let invalid = Mask::equal(raw[axis], INVALID);
+        let invalid = Mask::invalid(raw[axis]);
         let (difference, beyond) = saturating_difference(raw[axis], bias[axis]);
         wrong = wrong.or(invalid).or(beyond);
         invalid.pick(INVALID, difference)

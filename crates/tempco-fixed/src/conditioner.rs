@@ -68,7 +68,7 @@ impl Conditioner {
         let near = saturating_sum(thermal.gate, interval.slew);
         // Below 1300 degC, so that the sum below fits.
         let counted = min(age, thermal.anywhere_ticks);
-        let reach = (i64::from(counted) * i64::from(thermal.slew_per_tick)) >> 20;
+        let reach = (i64::from(counted) * i64::from(thermal.slew_per_tick) + (1 << 19)) >> 20;
         let far = saturating_sum(thermal.gate, reach as i32);
 
         let below = Mask::less(temp, thermal.sensor_min);

@@ -18,7 +18,7 @@ pub enum FixedError {
         /// Number of the axis.
         axis: usize,
     },
-    /// A pulse carry needs 2^-30 to 2^30 pulses per sample for the largest bias.
+    /// A pulse carry needs 2^-30 to 2^28 pulses per sample for the largest bias.
     Pulses,
 }
 
@@ -30,7 +30,7 @@ impl FixedError {
             Self::CellWidth => "the cells of a fixed-point table must be at least 2^-16 degC wide",
             Self::Rate => "the rates of a fixed-point table must be within 2000 degC/min",
             Self::Exponent { .. } => "the coefficients of an axis need a larger exponent",
-            Self::Pulses => "the pulses per sample of the largest bias are beyond 2^-30 to 2^30",
+            Self::Pulses => "the pulses per sample of the largest bias are beyond 2^-30 to 2^28",
         }
     }
 }

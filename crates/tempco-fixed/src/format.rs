@@ -19,7 +19,7 @@ pub const INVALID: i32 = i32::MIN;
 /// ```
 pub const fn from_milli_c(milli_c: i32) -> i32 {
     /// `2^20 / 1000` with 32 more bits.
-    const PER_MILLI: i64 = (((1_i64 << 52) + 500) / 1000) as i64;
+    const PER_MILLI: i64 = ((1 << 52) + 500) / 1000;
     if milli_c < -2_047_000 || milli_c > 2_047_000 {
         return INVALID;
     }

@@ -1,8 +1,9 @@
 //! Decisions without branches.
 //!
 //! A Cortex-M0 has no conditional instructions but branches, so a selection that costs the same
-//! either way has to be arithmetic. The forms here are those the compiler has been seen to leave
-//! alone; that it still does is what the bench image in QEMU checks.
+//! either way has to be arithmetic. The compiler knows what a mask stands for and would make
+//! a selection, hence a branch, of it; on such processors a mask is hidden from it. That this
+//! holds is checked by the `fixed_bench` image in QEMU.
 
 use tempco::Status;
 
@@ -19,7 +20,7 @@ impl Mask {
     /// Whether `value` is below zero.
     #[inline(always)]
     pub(crate) const fn negative(value: i32) -> Self {
-        Self(value >> 31)
+        Self(hidden(value >> 31))
     }
 
     /// Whether `value` is below zero.
@@ -35,11 +36,12 @@ impl Mask {
         Self::negative(difference ^ ((a ^ b) & (difference ^ a)))
     }
 
-    /// Whether `a == b`: only zero has neither itself nor its negative below zero.
+    /// Whether `value` is [`INVALID`](crate::INVALID): it alone has no bit set but the sign's, and
+    /// this keeps the lowest bit that is set.
     #[inline(always)]
-    pub(crate) const fn equal(a: i32, b: i32) -> Self {
-        let difference = a ^ b;
-        Self::negative(difference | difference.wrapping_neg()).not()
+    pub(crate) const fn invalid(value: i32) -> Self {
+        let value = hidden(value);
+        Self::negative(value & value.wrapping_neg())
     }
 
     #[inline(always)]
@@ -88,6 +90,20 @@ impl Mask {
     }
 }
 
+/// The value, of which the compiler then knows nothing.
+#[cfg(selects_by_branch)]
+#[inline(always)]
+const fn hidden(value: i32) -> i32 {
+    core::hint::black_box(value)
+}
+
+/// Elsewhere selections are conditional instructions, which cost the same either way.
+#[cfg(not(selects_by_branch))]
+#[inline(always)]
+const fn hidden(value: i32) -> i32 {
+    value
+}
+
 /// `|value|`; the least value stays as it is.
 #[inline(always)]
 pub(crate) const fn abs(value: i32) -> i32 {
@@ -126,7 +142,7 @@ pub(crate) const fn saturating_sum(a: i32, b: i32) -> i32 {
 pub(crate) const fn saturating_difference(a: i32, b: i32) -> (i32, Mask) {
     let difference = a.wrapping_sub(b);
     let beyond = Mask::negative((a ^ b) & (a ^ difference));
-    (beyond.pick((a >> 31) ^ i32::MAX, difference), beyond)
+    (beyond.pick(hidden(a >> 31) ^ i32::MAX, difference), beyond)
 }
 
 /// The upper word of a product: `a b / 2^32`, rounded down.
@@ -162,10 +178,10 @@ mod tests {
         for a in VALUES {
             assert_eq!(Mask::negative(a), mask(a < 0));
             assert_eq!(Mask::negative_wide(i64::from(a) << 3), mask(a < 0));
+            assert_eq!(Mask::invalid(a), mask(a == i32::MIN));
             assert_eq!(abs(a), a.wrapping_abs());
             for b in VALUES {
                 assert_eq!(Mask::less(a, b), mask(a < b), "{a} < {b}");
-                assert_eq!(Mask::equal(a, b), mask(a == b), "{a} = {b}");
                 assert_eq!(Mask::YES.pick(a, b), a);
                 assert_eq!(Mask::NO.pick(a, b), b);
                 let (difference, beyond) = saturating_difference(a, b);

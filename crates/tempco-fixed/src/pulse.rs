@@ -18,8 +18,9 @@ const fn half(fraction_bits: u32) -> i64 {
 ///
 /// `bias 2^exponent` \[pulses/s\] over `sample_s` is `bias * multiplier / 2^fraction_bits` pulses.
 /// That product is exact and so is the carry: the sum of the pulses differs from the sum of the
-/// products by at most half a pulse after any number of samples. The multiplier has 31 bits, which
-/// adds a relative error of at most 2^-31 to the sum (half a pulse in 10^9).
+/// products by at most half a pulse after any number of samples. The multiplier has 31 bits, or as
+/// many as 62 fractional bits leave: its rounding is worth half a pulse in 10^9 pulses, or 2^-33
+/// pulses per sample of the largest bias, whichever is more.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct PulseCarry {
@@ -34,7 +35,7 @@ impl PulseCarry {
     /// A carry for biases of `2^exponent` pulses/s and gyro samples every `sample_s` \[s\].
     ///
     /// # Errors
-    /// [`FixedError::Pulses`] if a bias of 2^30 would be less than 2^-30 or more than 2^30 pulses
+    /// [`FixedError::Pulses`] if a bias of 2^30 would be less than 2^-30 or more than 2^28 pulses
     /// per sample, or `sample_s` is not a positive number.
     pub const fn new(exponent: i32, sample_s: f32) -> Result<Self, FixedError> {
         let positive = sample_s > 0.0 && sample_s < f32::INFINITY;

@@ -72,7 +72,8 @@ impl FixedThermal {
             return Err(FixedError::Rate);
         }
         let settle_s = 3.0 * s.tau_s;
-        let slew_per_tick = round(s.max_slew_c_per_min as f64 / 6e6 * power(40));
+        // Rounded up: what the f32 core can just believe is believed.
+        let slew_per_tick = (s.max_slew_c_per_min as f64 / 6e6 * power(40)) as i32 + 1;
         let anywhere = FURTHEST_C * power(40) / slew_per_tick as f64;
         Ok(Self {
             sensor_min: from_f32(s.sensor_min_c),

@@ -239,10 +239,15 @@ const fn cells_per_place(per_c: f32, range: i32, cells: usize) -> u64 {
 /// How far a rate with 20 fractional bits is from a fraction with 31 of its full scale.
 const fn rate_shift(thermal: &FixedThermal) -> u32 {
     let mut shift = 11;
-    while thermal.rate_max >= 1 << (31 - shift) || -thermal.rate_min >= 1 << (31 - shift) {
+    loop {
+        let full_scale = 1_i64 << (31 - shift);
+        let fits =
+            (thermal.rate_max as i64) < full_scale && -(thermal.rate_min as i64) < full_scale;
+        if fits || shift == 0 {
+            return shift;
+        }
         shift -= 1;
     }
-    shift
 }
 
 /// The full scale `R` of the rate \[degC/min\]: a power of two from 1 on.

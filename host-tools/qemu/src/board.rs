@@ -13,17 +13,28 @@ pub enum Board {
     Mps2An386,
     /// STM32F405, as on the Netduino Plus 2.
     Stm32F405,
+    /// Arm MPS2 with the AN385 image: a Cortex-M3.
+    Mps2An385,
+    /// BBC micro:bit: a Cortex-M0.
+    Microbit,
 }
 
 impl Board {
     /// Every board, the reference board first.
-    pub const ALL: [Self; 2] = [Self::Mps2An386, Self::Stm32F405];
+    pub const ALL: [Self; 4] = [
+        Self::Mps2An386,
+        Self::Stm32F405,
+        Self::Mps2An385,
+        Self::Microbit,
+    ];
 
     /// Name, as in the firmware's memory file.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Mps2An386 => "mps2-an386",
             Self::Stm32F405 => "stm32f405",
+            Self::Mps2An385 => "mps2-an385",
+            Self::Microbit => "microbit",
         }
     }
 
@@ -37,6 +48,26 @@ impl Board {
         match self {
             Self::Mps2An386 => "mps2-an386",
             Self::Stm32F405 => "netduinoplus2",
+            Self::Mps2An385 => "mps2-an385",
+            Self::Microbit => "microbit",
+        }
+    }
+
+    /// The Rust target of its processor.
+    pub const fn target(self) -> &'static str {
+        match self {
+            Self::Mps2An386 | Self::Stm32F405 => "thumbv7em-none-eabihf",
+            Self::Mps2An385 => "thumbv7m-none-eabi",
+            Self::Microbit => "thumbv6m-none-eabi",
+        }
+    }
+
+    /// Its processor, as the compiler calls it.
+    pub const fn processor(self) -> &'static str {
+        match self {
+            Self::Mps2An386 | Self::Stm32F405 => "cortex-m4",
+            Self::Mps2An385 => "cortex-m3",
+            Self::Microbit => "cortex-m0",
         }
     }
 }
@@ -70,7 +101,7 @@ mod tests {
         let error = "mps2".parse::<Board>().unwrap_err().to_string();
         assert_eq!(
             error,
-            "there is no board `mps2`; the boards are mps2-an386, stm32f405"
+            "there is no board `mps2`; the boards are mps2-an386, stm32f405, mps2-an385, microbit"
         );
     }
 }

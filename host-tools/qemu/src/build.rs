@@ -6,12 +6,15 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::{env, fs};
 
-use crate::install::{TARGET, checked};
+use crate::install::checked;
 use crate::{Board, Error, Workspace};
 
-/// The processor of all boards. It is more than the target's default: with it the compiler knows
-/// that a separate multiplication and addition are faster than VMLA.
-const RUSTFLAGS: &str = r#"target.thumbv7em-none-eabihf.rustflags=["-C","target-cpu=cortex-m4"]"#;
+/// The board's processor. It is more than the target's default: with it the compiler knows, for
+/// instance, that a separate multiplication and addition are faster than VMLA on a Cortex-M4.
+fn rustflags(board: Board) -> String {
+    let (target, processor) = (board.target(), board.processor());
+    format!(r#"target.{target}.rustflags=["-C","target-cpu={processor}"]"#)
+}
 
 /// Environment variables that would change the image, by their first letters. `cargo` sets some
 /// of them for the programs it runs, coverage and lint tools others.
@@ -56,7 +59,7 @@ pub fn build(
         bin,
         table.as_deref(),
     ))?;
-    let built = target_dir.join(TARGET).join("release").join(bin);
+    let built = target_dir.join(board.target()).join("release").join(bin);
     let images = target_dir.join("images");
     fs::create_dir_all(&images).map_err(Error::file(&images))?;
     let image = images.join(name);
@@ -91,7 +94,7 @@ fn cargo(
     cargo
         .current_dir(workspace.root())
         .args(["build", "--release", "--package", "tempco-firmware"])
-        .args(["--target", TARGET, "--config", RUSTFLAGS])
+        .args(["--target", board.target(), "--config", &rustflags(board)])
         .args(["--no-default-features", "--features", &board.feature()])
         .args(["--bin", bin, "--target-dir"])
         .arg(target_dir)

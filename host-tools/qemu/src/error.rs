@@ -52,6 +52,14 @@ pub enum Error {
         /// How to install it.
         command: &'static str,
     },
+    /// There is no rustup to install a Rust target with.
+    #[error(
+        "the Rust target {target} is not installed; install it with: rustup target add {target}"
+    )]
+    MissingTarget {
+        /// The target.
+        target: &'static str,
+    },
     /// The image did not end in time and was killed.
     #[error("the image did not end within {limit:?} and was killed; its log: {log:#?}")]
     TimeLimit {

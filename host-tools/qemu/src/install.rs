@@ -3,36 +3,42 @@
 use std::path::Path;
 use std::process::{Command, Output};
 
-use crate::{Error, Workspace};
+use crate::{Board, Error, Workspace};
 
-/// The firmware's target.
+/// The target of the reference board.
 pub const TARGET: &str = "thumbv7em-none-eabihf";
 
-/// Installs the firmware's Rust target with rustup, unless it is there.
+/// Installs the reference board's Rust target with rustup, unless it is there.
 ///
 /// # Errors
 /// There is no rustup, or it fails.
 pub fn ensure_target(workspace: &Workspace) -> Result<(), Error> {
+    ensure_target_of(workspace, Board::Mps2An386)
+}
+
+/// Installs a board's Rust target with rustup, unless it is there.
+///
+/// # Errors
+/// There is no rustup, or it fails.
+pub fn ensure_target_of(workspace: &Workspace, board: Board) -> Result<(), Error> {
+    let target = board.target();
     let _lock = workspace.lock()?;
-    if has_target(workspace) {
+    if has_target(workspace, target) {
         return Ok(());
     }
-    eprintln!("installing the Rust target {TARGET}: rustup target add {TARGET}");
+    eprintln!("installing the Rust target {target}: rustup target add {target}");
     let mut command = Command::new("rustup");
-    command.args(["target", "add", TARGET]);
+    command.args(["target", "add", target]);
     match checked(command.current_dir(workspace.root())) {
-        Err(Error::Start { .. }) => Err(Error::Missing {
-            missing: "the Rust target thumbv7em-none-eabihf",
-            command: "rustup target add thumbv7em-none-eabihf",
-        }),
+        Err(Error::Start { .. }) => Err(Error::MissingTarget { target }),
         other => other.map(drop),
     }
 }
 
 /// Whether the compiler has a core library for the target; so also without rustup.
-fn has_target(workspace: &Workspace) -> bool {
+fn has_target(workspace: &Workspace, target: &str) -> bool {
     let mut command = Command::new("rustc");
-    command.args(["--print", "target-libdir", "--target", TARGET]);
+    command.args(["--print", "target-libdir", "--target", target]);
     checked(command.current_dir(workspace.root())).is_ok_and(|output| {
         let folder = String::from_utf8_lossy(&output.stdout);
         Path::new(folder.trim()).is_dir()

@@ -3,7 +3,7 @@
 //! One module per concern, each usable alone:
 //!
 //! - [`Workspace`]: where the sources are
-//! - [`ensure_target`], [`ensure_qemu`]: install what is missing
+//! - [`ensure_target`], [`ensure_target_of`], [`ensure_qemu`]: install what is missing
 //! - [`build`]: an image for a [`Board`], with a coefficient table
 //! - [`Layout`]: where an image lies in memory, and how much of it it takes
 //! - [`run()`]: an image in QEMU, with a time limit, its exit code and its decoded log
@@ -39,7 +39,7 @@ mod workspace;
 pub use board::Board;
 pub use build::build;
 pub use error::Error;
-pub use install::{TARGET, ensure_qemu, ensure_target};
+pub use install::{TARGET, ensure_qemu, ensure_target, ensure_target_of};
 pub use layout::Layout;
 pub use replay::replay;
 pub use run::{Options, Run, run};

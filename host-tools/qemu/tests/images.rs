@@ -12,6 +12,8 @@ use tempco_qemu::{Board, Error, Layout, Options, build, run};
 fn each_board_has_its_own_memory() {
     let memory = |board| match board {
         Board::Mps2An386 => (0x0000_0000, 0x2000_0000, 0x2040_0000),
+        Board::Mps2An385 => (0x0000_0000, 0x2000_0000, 0x2040_0000),
+        Board::Microbit => (0x0000_0000, 0x2000_0000, 0x2000_4000),
         _ => (0x0800_0000, 0x2000_0000, 0x2002_0000),
     };
     for board in Board::ALL {
@@ -33,9 +35,10 @@ fn each_board_has_its_own_memory() {
 fn images_are_compiled_for_the_processor_of_the_boards() {
     for board in Board::ALL {
         let elf = fs::read(image(board, "replay", None)).unwrap();
-        let name = b"cortex-m4\0";
+        let name = format!("{}\0", board.processor());
         assert!(
-            elf.windows(name.len()).any(|window| window == name),
+            elf.windows(name.len())
+                .any(|window| window == name.as_bytes()),
             "{board}"
         );
     }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
 use tempco::Table;
-use tempco_qemu::{Board, Workspace, build, ensure_qemu, ensure_target};
+use tempco_qemu::{Board, Workspace, build, ensure_qemu, ensure_target, ensure_target_of};
 use tempco_replay::{Header, Outcome, Record, Replay, Sample, Summary};
 
 /// The checkout, on a machine that has all that is needed.
@@ -17,6 +17,7 @@ pub static WORKSPACE: LazyLock<Workspace> = LazyLock::new(|| {
 });
 
 pub fn image(board: Board, bin: &str, table: Option<&Path>) -> PathBuf {
+    ensure_target_of(&WORKSPACE, board).unwrap();
     build(&WORKSPACE, board, bin, table).unwrap_or_else(|error| panic!("{error}"))
 }
 
