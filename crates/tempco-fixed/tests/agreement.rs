@@ -93,7 +93,7 @@ fn stream(noise: &mut Noise, length: usize, faults: u32) -> Vec<(f32, f32)> {
             if i % 100 == 0 {
                 speed = noise.between(-0.6, 0.6);
             }
-            if noise.bits() % 150 == 0 {
+            if noise.bits().is_multiple_of(150) {
                 temp = noise.between(-58.0, 148.0);
             }
             temp = (temp + speed).clamp(-60.0, 150.0);
@@ -202,13 +202,11 @@ fn no_number_at_all_stops_it() {
         let raw = [any(&mut noise), any(&mut noise)];
         let temp = any(&mut noise);
         let out = unit.step(&interval, temp, raw);
-        for axis in 0..2 {
-            assert!(out.bias[axis].unsigned_abs() <= 1 << 30, "sample {i}");
-            let exact = raw[axis].saturating_sub(out.bias[axis]);
-            assert_eq!(
-                out.compensated[axis],
-                if raw[axis] == INVALID { INVALID } else { exact }
-            );
+        for ((raw, bias), compensated) in raw.into_iter().zip(out.bias).zip(out.compensated) {
+            assert!(bias.unsigned_abs() <= 1 << 30, "sample {i}");
+            let invalid = raw == INVALID;
+            let expected = [raw.saturating_sub(bias), INVALID][usize::from(invalid)];
+            assert_eq!(compensated, expected);
         }
         let wrong = raw
             .iter()
