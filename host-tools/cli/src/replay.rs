@@ -8,7 +8,7 @@ use tempco::Table;
 use tempco_fit::apply::{ChannelInputs, inputs};
 use tempco_fit::log::Log;
 use tempco_fit::set::{CoefficientSet, table_rs, write_files};
-use tempco_qemu::{Board, Workspace, build, ensure_qemu, ensure_target, replay};
+use tempco_qemu::{Board, Workspace, build, ensure_qemu, ensure_target_of, replay};
 use tempco_replay::{Header, Outcome, Record, Replay, Sample};
 
 use crate::Verdict;
@@ -120,7 +120,7 @@ fn append<R: Record>(bytes: &mut Vec<u8>, record: &R) -> Result<()> {
 /// Builds the image with the set's table, runs it over the samples, shows its log.
 fn run_firmware(set: &CoefficientSet, board: Board, samples: &[u8]) -> Result<Vec<u8>> {
     let workspace = Workspace::find()?;
-    ensure_target(&workspace)?;
+    ensure_target_of(&workspace, board)?;
     ensure_qemu(&workspace)?;
     let folder = std::env::temp_dir().join(format!("tempco-replay-{}", std::process::id()));
     write_files(&folder, &[("table.rs", table_rs(set).as_bytes())])?;
