@@ -47,7 +47,7 @@
 //! where `S` is the largest of `(|a1| + 2 |a2| + R |r1|)` per degC. For a bias of 1 the first part
 //! is some 1e-8 and the second 1e-6 of the bias per degC: four orders below the noise of a
 //! navigation grade gyro. At an edge between cells, either neighbour may be meant within 2e-6
-//! degC of it. The rate is within 7e-5 of itself (the series of [`tempco::Interval`]) plus a
+//! degC of it. The rate is within 8e-5 of itself (the series of [`tempco::Interval`]) plus a
 //! last place. All limits lie where the f32 core has them to one last place per second since the
 //! last good temperature, so readings at a limit may be judged differently by 1e-6 degC.
 //!
