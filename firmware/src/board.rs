@@ -3,6 +3,8 @@
 //! Adding a board: a module here, a memory file in `firmware/boards`, and a feature, all of one
 //! name. A board whose clocks or pins must be set up does that in a function of its module.
 
+pub mod microbit;
+pub mod mps2_an385;
 pub mod mps2_an386;
 pub mod mps2_an500;
 pub mod mps2_an505;
@@ -24,6 +26,10 @@ pub const BOARD: Board = if cfg!(feature = "board-stm32f405") {
     mps2_an500::BOARD
 } else if cfg!(feature = "board-mps2-an505") {
     mps2_an505::BOARD
+} else if cfg!(feature = "board-mps2-an385") {
+    mps2_an385::BOARD
+} else if cfg!(feature = "board-microbit") {
+    microbit::BOARD
 } else {
     mps2_an386::BOARD
 };

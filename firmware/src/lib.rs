@@ -5,6 +5,7 @@
 //! - [`board`]: what differs between boards
 //! - [`baselines`]: what is usually done instead
 //! - [`golden`]: samples and a hash of what becomes of them, to compare host and targets
+//! - [`fixed`]: what the images of the integer core share with the host
 //! - [`kernels`]: the functions whose instructions the `bench` image counts
 //! - `target`: semihosting, panics and faults; only on a target
 //! - `guard`: in place of `target` with the feature `link-guard`, a panic that does not link
@@ -16,6 +17,8 @@ pub mod app;
 #[cfg(not(feature = "link-guard"))]
 pub mod baselines;
 pub mod board;
+pub mod fixed;
+pub mod fixed_kernels;
 pub mod golden;
 #[cfg(all(target_os = "none", feature = "link-guard"))]
 pub mod guard;

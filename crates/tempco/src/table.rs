@@ -164,6 +164,17 @@ impl<'a, const AXES: usize> Table<'a, AXES> {
         self.t_max_c
     }
 
+    /// Cold edge of the first cell \[degC\].
+    pub const fn first_edge_c(&self) -> f32 {
+        self.first_edge_c
+    }
+
+    /// Cells per degC, as [`place`](Self::place) uses it: rounded down so far that the hot edge of
+    /// the last cell still falls into it.
+    pub const fn cells_per_c(&self) -> f32 {
+        self.cells_per_c
+    }
+
     /// The cells, coldest first.
     pub const fn cells(&self) -> &'a [[Terms; AXES]] {
         self.cells

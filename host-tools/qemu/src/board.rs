@@ -17,15 +17,21 @@ pub enum Board {
     Mps2An500,
     /// Arm MPS2 with the AN505 image: a Cortex-M33.
     Mps2An505,
+    /// Arm MPS2 with the AN385 image: a Cortex-M3.
+    Mps2An385,
+    /// BBC micro:bit: a Cortex-M0.
+    Microbit,
 }
 
 impl Board {
     /// Every board, the reference board first.
-    pub const ALL: [Self; 4] = [
+    pub const ALL: [Self; 6] = [
         Self::Mps2An386,
         Self::Stm32F405,
         Self::Mps2An500,
         Self::Mps2An505,
+        Self::Mps2An385,
+        Self::Microbit,
     ];
 
     /// Name, as in the firmware's memory file.
@@ -35,6 +41,8 @@ impl Board {
             Self::Stm32F405 => "stm32f405",
             Self::Mps2An500 => "mps2-an500",
             Self::Mps2An505 => "mps2-an505",
+            Self::Mps2An385 => "mps2-an385",
+            Self::Microbit => "microbit",
         }
     }
 
@@ -56,6 +64,8 @@ impl Board {
         match self {
             Self::Mps2An386 | Self::Stm32F405 | Self::Mps2An500 => TARGET,
             Self::Mps2An505 => "thumbv8m.main-none-eabihf",
+            Self::Mps2An385 => "thumbv7m-none-eabi",
+            Self::Microbit => "thumbv6m-none-eabi",
         }
     }
 
@@ -66,6 +76,8 @@ impl Board {
             Self::Mps2An386 | Self::Stm32F405 => "cortex-m4",
             Self::Mps2An500 => "cortex-m7",
             Self::Mps2An505 => "cortex-m33",
+            Self::Mps2An385 => "cortex-m3",
+            Self::Microbit => "cortex-m0",
         }
     }
 }
@@ -100,7 +112,7 @@ mod tests {
         assert_eq!(
             error,
             "there is no board `mps2`; the boards are \
-             mps2-an386, stm32f405, mps2-an500, mps2-an505"
+             mps2-an386, stm32f405, mps2-an500, mps2-an505, mps2-an385, microbit"
         );
     }
 }

@@ -13,6 +13,7 @@ fn each_board_has_its_own_memory() {
     let memory = |board| match board {
         Board::Stm32F405 => (0x0800_0000, 0x2000_0000, 0x2002_0000),
         Board::Mps2An505 => (0x1000_0000, 0x3800_0000, 0x3820_0000),
+        Board::Microbit => (0x0000_0000, 0x2000_0000, 0x2000_4000),
         _ => (0x0000_0000, 0x2000_0000, 0x2040_0000),
     };
     for board in Board::ALL {

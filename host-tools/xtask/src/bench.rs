@@ -1,5 +1,7 @@
 //! The performance figures: exact on the target, indicative on the host.
 
+mod fixed;
+
 use std::process::Command;
 use std::time::Instant;
 
@@ -36,6 +38,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     let mut result = Map::new();
     if args.only != Some(Side::Host) {
         result.insert("target".to_owned(), target(&workspace)?);
+        result.insert("fixed".to_owned(), fixed::figures(&workspace)?);
     }
     if args.only != Some(Side::Target) {
         result.insert("host".to_owned(), host(&workspace)?);

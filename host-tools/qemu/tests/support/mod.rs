@@ -19,6 +19,7 @@ pub static WORKSPACE: LazyLock<Workspace> = LazyLock::new(|| {
 });
 
 pub fn image(board: Board, bin: &str, table: Option<&Path>) -> PathBuf {
+    ensure_target_of(&WORKSPACE, board).unwrap();
     build(&WORKSPACE, board, bin, table).unwrap_or_else(|error| panic!("{error}"))
 }
 
