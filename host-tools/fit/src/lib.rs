@@ -19,6 +19,7 @@ pub mod metrics;
 pub mod model;
 mod regress;
 pub mod rfactor;
+mod rounding;
 pub mod segment;
 pub mod set;
 mod solve;
@@ -27,5 +28,6 @@ mod tabulate;
 pub mod unit;
 
 pub use regress::thermal_points;
+pub use rounding::RoundingBound;
 pub use solve::TERMS;
 pub use statistics::AxisStatistics;

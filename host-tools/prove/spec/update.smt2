@@ -160,6 +160,15 @@
 (and (finite |effective_c'.value|) (finite |rate_c_per_min'.value|) (finite |state'.temp_c|)
      (finite |state'.filtered_c|) (finite |state'.remainder_c|) (finite |state'.effective_c|))
 
-;@ claim invariant: the invariant is kept
-(invariant |state'.temp_c| |state'.age| |state'.settling| |state'.filtered_c|
-           |state'.remainder_c| |state'.effective_c|)
+;@ claim kept: the invariant of temperature and times is kept
+(and (within |state'.temp_c| |thermal.sensor_min_c| |thermal.sensor_max_c|)
+     (bvsle (_ bv0 32) |state'.age|) (bvsle (_ bv0 32) |state'.settling|))
+
+;@ claim kept_effective: the invariant of the effective temperature is kept
+(within |state'.effective_c| (fp.neg effective_bound) effective_bound)
+
+;@ claim kept_filtered: the invariant of the filtered temperature is kept
+(within |state'.filtered_c| (fp.neg filter_bound) filter_bound)
+
+;@ claim kept_remainder: the invariant of the remainder is kept
+(within |state'.remainder_c| (fp.neg remainder_bound) remainder_bound)

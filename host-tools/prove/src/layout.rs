@@ -125,7 +125,11 @@ fn checked<T: Copy + Debug>(value: &T, ir: &str, constant: &str) -> Result<Vec<F
         let bytes = field.ty.in_memory().bytes().unwrap_or_default();
         let range = field.offset..field.offset + bytes;
         let same = target.get(range.clone()) == host.get(range);
-        ensure!(same, "{constant}.{} lies elsewhere on the target", field.name);
+        ensure!(
+            same,
+            "{constant}.{} lies elsewhere on the target",
+            field.name
+        );
     }
     Ok(fields)
 }

@@ -10,6 +10,8 @@
 //! What is proved holds of the compiler's LLVM IR for the Cortex-M4F; it trusts the translator, the
 //! stated preconditions and the backend. See `docs/verification.md`.
 
+pub mod exhaustive;
+pub mod gappa;
 pub mod ir;
 mod layout;
 pub mod mutant;

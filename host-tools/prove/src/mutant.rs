@@ -35,20 +35,23 @@ pub fn mutants(function: &Function) -> Vec<Mutant> {
 fn changes(op: &Op) -> Vec<(&'static str, Op)> {
     match op {
         Op::FloatCompare(predicate, a, b) => {
-            let compare = |predicate: &str| Op::FloatCompare(predicate.to_owned(), a.clone(), b.clone());
+            let compare =
+                |predicate: &str| Op::FloatCompare(predicate.to_owned(), a.clone(), b.clone());
             let mut found = Vec::new();
             if let Some(other) = swapped(predicate, [("gt", "ge"), ("lt", "le")]) {
                 found.push(("comparison off by equality", compare(&other)));
             }
             let (order, name) = predicate.split_at(1);
             let other = if order == "o" { "u" } else { "o" };
-            found.push(("NaN passes the comparison", compare(&format!("{other}{name}"))));
+            found.push((
+                "NaN passes the comparison",
+                compare(&format!("{other}{name}")),
+            ));
             found
         }
         Op::IntCompare(predicate, ty, a, b) => {
-            let compare = |predicate: &str| {
-                Op::IntCompare(predicate.to_owned(), *ty, a.clone(), b.clone())
-            };
+            let compare =
+                |predicate: &str| Op::IntCompare(predicate.to_owned(), *ty, a.clone(), b.clone());
             let mut found = Vec::new();
             if let Some(other) = swapped(predicate, [("gt", "ge"), ("lt", "le")]) {
                 found.push(("comparison off by one", compare(&other)));
@@ -60,16 +63,27 @@ fn changes(op: &Op) -> Vec<(&'static str, Op)> {
         }
         Op::Select(_, ty, a, b) => [("clamp or choice left out", 0), ("choice always made", 1)]
             .map(|(what, value)| {
-                (what, Op::Select(Operand::Int(value), *ty, a.clone(), b.clone()))
+                (
+                    what,
+                    Op::Select(Operand::Int(value), *ty, a.clone(), b.clone()),
+                )
             })
             .into(),
         Op::IntBinary(name, flags, Type::Int(1), a, b) if name == "and" || name == "or" => {
             let other = if name == "and" { "or" } else { "and" };
             let swapped = |flags: &[String]| {
-                Op::IntBinary(other.to_owned(), flags.to_vec(), Type::Int(1), a.clone(), b.clone())
+                Op::IntBinary(
+                    other.to_owned(),
+                    flags.to_vec(),
+                    Type::Int(1),
+                    a.clone(),
+                    b.clone(),
+                )
             };
             let none = flags.is_empty();
-            none.then(|| ("and for or", swapped(&[]))).into_iter().collect()
+            none.then(|| ("and for or", swapped(&[])))
+                .into_iter()
+                .collect()
         }
         Op::Call(name, arguments) if name.contains(".sat.i") && arguments.len() == 2 => {
             let plain = if name.contains("add") { "add" } else { "sub" };
@@ -78,15 +92,13 @@ fn changes(op: &Op) -> Vec<(&'static str, Op)> {
             let op = Op::IntBinary(plain.to_owned(), Vec::new(), ty, a, b);
             vec![("overflow wraps", op)]
         }
-        Op::Store(Type::Int(32), value @ Operand::Local(_), pointer) => {
-            vec![(
-                "zero kept instead of the value",
-                Op::Store(Type::Int(32), Operand::Int(0), pointer.clone()),
-            )]
-            .into_iter()
-            .filter(|_| *value != Operand::Int(0))
-            .collect()
-        }
+        Op::Store(Type::Int(32), value @ Operand::Local(_), pointer) => vec![(
+            "zero kept instead of the value",
+            Op::Store(Type::Int(32), Operand::Int(0), pointer.clone()),
+        )]
+        .into_iter()
+        .filter(|_| *value != Operand::Int(0))
+        .collect(),
         _ => Vec::new(),
     }
 }

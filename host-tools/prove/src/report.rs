@@ -110,7 +110,12 @@ impl Run<'_> {
         println!("  {:26} {first:8} {second:8}", "");
         match answers.each_ref().map(|answer| answer.verdict) {
             [Verdict::Satisfiable, Verdict::Satisfiable] => {
-                self.show("possible", "preconditions", &answers, "they can all hold at once");
+                self.show(
+                    "possible",
+                    "preconditions",
+                    &answers,
+                    "they can all hold at once",
+                );
                 Ok(())
             }
             verdicts => bail!("the preconditions are not shown to be possible: {verdicts:?}"),

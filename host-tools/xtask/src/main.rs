@@ -2,6 +2,7 @@
 
 mod bench;
 mod demo;
+mod prove;
 mod run;
 mod test;
 
@@ -24,6 +25,8 @@ enum Task {
     Test,
     /// Executed instructions on the target, rows per second on the host
     Bench(bench::Args),
+    /// Proofs on the compiled core by two solvers, bounds on rounding; skips what is not there
+    Prove(prove::Args),
 }
 
 fn main() -> Result<()> {
@@ -31,5 +34,6 @@ fn main() -> Result<()> {
         Task::Demo => demo::run(),
         Task::Test => test::run(),
         Task::Bench(args) => bench::run(&args),
+        Task::Prove(args) => prove::run(&args),
     }
 }

@@ -63,14 +63,13 @@ pub static PROVE_CELLS: [[Terms; 1]; 3] = [[Terms {
 
 /// A table with the edges 3 and 11 degC, calibrated from 4.25 to 9.75 degC.
 #[unsafe(no_mangle)]
-pub static PROVE_TABLE: Table<'static, 1> =
-    match Table::new(THERMAL, 3.0, 11.0, &PROVE_CELLS) {
-        Ok(table) => match table.calibrated(4.25, 9.75) {
-            Ok(table) => table,
-            Err(_) => panic!(),
-        },
+pub static PROVE_TABLE: Table<'static, 1> = match Table::new(THERMAL, 3.0, 11.0, &PROVE_CELLS) {
+    Ok(table) => match table.calibrated(4.25, 9.75) {
+        Ok(table) => table,
         Err(_) => panic!(),
-    };
+    },
+    Err(_) => panic!(),
+};
 
 /// The default settings, checked.
 #[unsafe(no_mangle)]

@@ -76,11 +76,7 @@ pub(super) fn saturating(name: &str, width: u32, a: &str, b: &str) -> Option<Str
         "usub" => ("bvsub", false),
         _ => return None,
     };
-    let exact = format!(
-        "({op} {} {})",
-        extend(signed, 2, a),
-        extend(signed, 2, b)
-    );
+    let exact = format!("({op} {} {})", extend(signed, 2, a), extend(signed, 2, b));
     let (least, most) = if signed {
         (-(1_i128 << (width - 1)), (1_i128 << (width - 1)) - 1)
     } else {

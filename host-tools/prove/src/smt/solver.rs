@@ -61,7 +61,10 @@ impl Solver {
                 .arg(folder.join("venv"))
                 .output()
                 .context("python3 is missing")?;
-            ensure!(make.status.success(), "python3 -m venv failed (python3-venv)");
+            ensure!(
+                make.status.success(),
+                "python3 -m venv failed (python3-venv)"
+            );
             let pip = Command::new(&python)
                 .args(["-m", "pip", "install", "--quiet"])
                 .args(["bitwuzla==0.9.1", "cvc5==1.4.2"])

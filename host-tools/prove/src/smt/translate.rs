@@ -81,7 +81,11 @@ fn targets(block: &Block) -> Vec<&str> {
 }
 
 fn and(terms: &[&str]) -> String {
-    let terms: Vec<&str> = terms.iter().copied().filter(|&term| term != "true").collect();
+    let terms: Vec<&str> = terms
+        .iter()
+        .copied()
+        .filter(|&term| term != "true")
+        .collect();
     match terms[..] {
         [] => "true".to_owned(),
         [one] => one.to_owned(),
@@ -174,7 +178,9 @@ impl State {
         let value = match (operand, ty) {
             (Operand::Local(name), _) => {
                 let value = self.values.get(name);
-                value.ok_or_else(|| format!("%{name} before it is known"))?.clone()
+                value
+                    .ok_or_else(|| format!("%{name} before it is known"))?
+                    .clone()
             }
             (Operand::Int(value), Type::Int(1)) => Value::Bool((*value != 0).to_string()),
             (Operand::Int(value), Type::Int(width)) => Value::Bits(width, bits(width, *value)),
@@ -190,7 +196,10 @@ impl State {
 
     fn term(&self, ty: Type, operand: &Operand) -> Result<String, String> {
         let value = self.value(ty, operand)?;
-        value.term().map(str::to_owned).ok_or_else(|| "an address".to_owned())
+        value
+            .term()
+            .map(str::to_owned)
+            .ok_or_else(|| "an address".to_owned())
     }
 
     fn address(&self, operand: &Operand) -> Result<(usize, usize), String> {
@@ -212,7 +221,9 @@ impl State {
                 let term = floats::compare(predicate, &self.term(float, a)?, &self.term(float, b)?);
                 Value::Bool(term.ok_or("float comparison")?)
             }
-            Op::IntBinary(op, flags, ty, a, b) => self.int_binary(instruction, op, flags, *ty, a, b)?,
+            Op::IntBinary(op, flags, ty, a, b) => {
+                self.int_binary(instruction, op, flags, *ty, a, b)?
+            }
             Op::IntCompare(predicate, ty, a, b) => {
                 if *ty == Type::Int(1) {
                     return Err("comparison of truth values".to_owned());
@@ -342,7 +353,8 @@ impl State {
         match &a {
             Value::Bool(_) => {
                 let disjoint = flags == ["disjoint"];
-                if !(flags.is_empty() || op == "or" && disjoint) || !matches!(op, "and" | "or" | "xor")
+                if !(flags.is_empty() || op == "or" && disjoint)
+                    || !matches!(op, "and" | "or" | "xor")
                 {
                     return Err("operation on truth values".to_owned());
                 }
@@ -390,7 +402,9 @@ impl State {
                 }
                 Value::Bits(wide, integers::extend(name == "sext", wide - width, term))
             }
-            ("trunc", Value::Bits(width, _), Type::Int(narrow), [] | ["nuw"]) if narrow < *width => {
+            ("trunc", Value::Bits(width, _), Type::Int(narrow), [] | ["nuw"])
+                if narrow < *width =>
+            {
                 let cut = format!("((_ extract {} 0) {term})", narrow - 1);
                 if flags == ["nuw"] {
                     let wide = integers::extend(false, width - narrow, &cut);
@@ -428,14 +442,19 @@ impl State {
         let value = match (&parts[..], &values[..]) {
             (["fabs", "f32"], [Value::Float(a)]) => Value::Float(format!("(fp.abs {a})")),
             ([op @ ("fptosi" | "fptoui"), "sat", _, "f32"], [Value::Float(a)]) => {
-                let width = parts[2].strip_prefix('i').and_then(|bits| bits.parse().ok());
+                let width = parts[2]
+                    .strip_prefix('i')
+                    .and_then(|bits| bits.parse().ok());
                 floats::saturating(*op == "fptosi", width.ok_or("width")?, a)
             }
             ([op, "sat", _], [Value::Bits(width, a), Value::Bits(_, b)]) => {
                 let term = integers::saturating(op, *width, a, b);
                 Value::Bits(*width, term.ok_or("saturating operation")?)
             }
-            ([op @ ("smax" | "smin" | "umax" | "umin"), _], [Value::Bits(width, a), Value::Bits(_, b)]) => {
+            (
+                [op @ ("smax" | "smin" | "umax" | "umin"), _],
+                [Value::Bits(width, a), Value::Bits(_, b)],
+            ) => {
                 let compare = match *op {
                     "smax" => "bvsge",
                     "smin" => "bvsle",
@@ -455,7 +474,10 @@ impl State {
     }
 
     fn phi(&self, ty: Type, incoming: &[(Operand, String)]) -> Result<Value, String> {
-        let edges = self.edges.get(&self.label).ok_or("a phi in the first block")?;
+        let edges = self
+            .edges
+            .get(&self.label)
+            .ok_or("a phi in the first block")?;
         let mut merged: Option<Value> = None;
         for (from, condition) in edges {
             let entry = incoming.iter().find(|(_, label)| label == from);
