@@ -2,9 +2,11 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, anyhow, bail};
 
+use crate::ir::Function;
 use crate::mutant::mutants;
 use crate::proof::{Code, Problem};
 use crate::smt::{Answer, Solver, Verdict};
@@ -16,6 +18,9 @@ const SPECS: [(&str, &str); 4] = [
     ("interval", include_str!("../spec/interval.smt2")),
     ("update", include_str!("../spec/update.smt2")),
 ];
+
+/// Time limit of a query about a seeded bug \[s\].
+const MUTANT_LIMIT_S: f64 = 15.0;
 
 /// How long to try.
 #[derive(Clone, Copy, Debug)]
@@ -65,10 +70,7 @@ pub fn prove(ir: &Path, solvers: &[Solver; 2], folder: &Path, effort: Effort) ->
         run.preconditions(&problem)?;
         run.claims(&problem, &mut totals)?;
         if effort.mutants {
-            for mutant in mutants(function) {
-                let problem = Problem::new(&spec, &mutant.function, &code.objects)?;
-                run.mutant(&mutant.name, &problem, &mut totals)?;
-            }
+            run.mutants(&spec, &code, function, &mut totals)?;
         }
     }
     Ok(totals)
@@ -151,29 +153,67 @@ impl Run<'_> {
         Ok(())
     }
 
+    /// Tries all seeded bugs, two at a time.
+    fn mutants(
+        &self,
+        spec: &Spec,
+        code: &Code,
+        function: &Function,
+        totals: &mut Totals,
+    ) -> Result<()> {
+        let mutants = mutants(function);
+        let next = AtomicUsize::new(0);
+        let work = |worker: usize| -> Result<Totals> {
+            let mut totals = Totals::default();
+            while let Some(mutant) = mutants.get(next.fetch_add(1, Ordering::Relaxed)) {
+                let problem = Problem::new(spec, &mutant.function, &code.objects)?;
+                self.mutant(&mutant.name, &problem, worker, &mut totals)?;
+            }
+            Ok(totals)
+        };
+        std::thread::scope(|scope| {
+            let other = scope.spawn(|| work(1));
+            let first = work(0)?;
+            let other = other.join().map_err(|_| anyhow!("a thread failed"))??;
+            for found in [first, other] {
+                totals.killed += found.killed;
+                totals.survived += found.survived;
+                totals.undecided += found.undecided;
+            }
+            Ok(())
+        })
+    }
+
     /// A seeded bug is found as soon as one claim is refuted by one solver.
-    fn mutant(&self, name: &str, problem: &Problem, totals: &mut Totals) -> Result<()> {
-        let file = self.folder.join("mutant.smt2");
-        let mut undecided = false;
+    fn mutant(
+        &self,
+        name: &str,
+        problem: &Problem,
+        worker: usize,
+        totals: &mut Totals,
+    ) -> Result<()> {
+        let file = self.folder.join(format!("mutant{worker}.smt2"));
+        let limit_s = self.effort.limit_s.min(MUTANT_LIMIT_S);
+        let mut undecided = Vec::new();
         for claim in problem.claims() {
             fs::write(&file, problem.query(&claim))?;
-            let answer = self.solvers[0].check(&file, self.effort.limit_s)?;
+            let answer = self.solvers[0].check(&file, limit_s)?;
             match answer.verdict {
                 Verdict::Satisfiable => {
                     totals.killed += 1;
                     println!("  refuted   by {:13} {name}", claim.name);
                     return Ok(());
                 }
-                Verdict::Unknown => undecided = true,
+                Verdict::Unknown => undecided.push(claim.name),
                 Verdict::Unsatisfiable => {}
             }
         }
-        if undecided {
-            totals.undecided += 1;
-            println!("  undecided                 {name}");
-        } else {
+        if undecided.is_empty() {
             totals.survived += 1;
-            println!("  harmless                  {name}");
+            println!("  harmless                   {name}");
+        } else {
+            totals.undecided += 1;
+            println!("  undecided ({}) {name}", undecided.join(", "));
         }
         Ok(())
     }
