@@ -78,7 +78,7 @@ fn conclude(totals: &Totals, args: &Args) {
     );
     if args.mutants {
         println!(
-            "{} seeded bugs refuted, {} harmless, {} undecided",
+            "{} seeded bugs refuted, {} survive all claims, {} undecided",
             totals.killed, totals.survived, totals.undecided
         );
     }

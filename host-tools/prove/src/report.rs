@@ -210,7 +210,7 @@ impl Run<'_> {
         }
         if undecided.is_empty() {
             totals.survived += 1;
-            println!("  harmless                   {name}");
+            println!("  survives                   {name}");
         } else {
             totals.undecided += 1;
             println!("  undecided ({}) {name}", undecided.join(", "));

@@ -1,6 +1,7 @@
 //! From intermediate code to SMT-LIB, and from there to two solvers.
 
 mod floats;
+mod instructions;
 mod integers;
 mod memory;
 mod solver;
