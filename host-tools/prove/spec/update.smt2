@@ -1,0 +1,174 @@
+; ThermalState::update, the conditioner and the rate estimator included.
+;@ function prove_update
+
+;@ define
+; The constants as they are in f32.
+(define-fun c_low () F32 (fp.neg ((_ to_fp 8 24) RNE 273.15)))
+(define-fun c_1e3 () F32 ((_ to_fp 8 24) RNE 1000.0))
+(define-fun c_1e4 () F32 ((_ to_fp 8 24) RNE 10000.0))
+(define-fun c_milli () F32 ((_ to_fp 8 24) RNE 0.001))
+(define-fun filter_bound () F32 ((_ to_fp 8 24) RNE 137438953472.0))
+(define-fun remainder_bound () F32 ((_ to_fp 8 24) RNE 8192.0))
+(define-fun effective_bound () F32 ((_ to_fp 8 24) RNE 2097152.0))
+
+;@ assume settings: what Thermal::new accepts and derives
+(and
+  (within |thermal.sensor_min_c| c_low c_1e3)
+  (within |thermal.sensor_max_c| |thermal.sensor_min_c| c_1e3)
+  (within |thermal.spike_gate_c| c_milli c_1e3)
+  (within |thermal.rate_min_c_per_min| (fp.neg c_1e4) zero)
+  (within |thermal.rate_max_c_per_min| zero c_1e4)
+  (within |thermal.reference_c| |thermal.sensor_min_c| |thermal.sensor_max_c|)
+  (within |thermal.slew_c_per_tick| zero ((_ to_fp 8 24) RNE 0.001667))
+  (within |thermal.shift_min| zero ((_ to_fp 8 24) RNE 200.0))
+  (ticks_within |thermal.hold_ticks| (_ bv0 32) (_ bv2000000000 32))
+  (ticks_within |thermal.heal_ticks| (_ bv0 32) (_ bv2000000000 32))
+  (ticks_within |thermal.settle_ticks| (_ bv1 32) (_ bv2000000000 32))
+  (ticks_within |thermal.longest_heal_ticks| (_ bv0 32) (_ bv2000000000 32))
+  (ticks_within |thermal.restart_ticks| (_ bv1 32) (_ bv2000000000 32)))
+
+;@ assume interval: what Interval::new makes (proved below), or the one of power-on
+(and
+  (bvsle (_ bv0 32) |interval.ticks|)
+  (within |interval.alpha| zero ((_ to_fp 8 24) RNE 1.0))
+  (within |interval.rate_gain_per_min| zero ((_ to_fp 8 24) RNE 601.0))
+  (within |interval.slew_c| zero infinity)
+  (= (bvand |interval.status| (bvnot (_ bv16 16))) (_ bv0 16)))
+
+;@ define
+(define-fun invariant ((temp F32) (age (_ BitVec 32)) (settling (_ BitVec 32)) (filtered F32)
+                       (remainder F32) (effective F32)) Bool
+  (and
+    (within temp |thermal.sensor_min_c| |thermal.sensor_max_c|)
+    (bvsle (_ bv0 32) age)
+    (bvsle (_ bv0 32) settling)
+    (within filtered (fp.neg filter_bound) filter_bound)
+    (within remainder (fp.neg remainder_bound) remainder_bound)
+    (within effective (fp.neg effective_bound) effective_bound)))
+
+;@ assume state: the invariant, which ThermalState::new establishes
+(invariant |state.temp_c| |state.age| |state.settling| |state.filtered_c| |state.remainder_c|
+           |state.effective_c|)
+
+;@ define
+; What the documentation says, in its own words.
+(define-fun in_range () Bool
+  (within |temp_c| |thermal.sensor_min_c| |thermal.sensor_max_c|))
+(define-fun forward () Bool (= |interval.forward| (_ bv1 8)))
+(define-fun spec_age () (_ BitVec 32)
+  (sum |state.age| |interval.ticks|))
+(define-fun was_lost () Bool (bvsgt |state.age| |thermal.hold_ticks|))
+(define-fun near_c () F32 (fp.add RNE |thermal.spike_gate_c| |interval.slew_c|))
+(define-fun far_c () F32
+  (fp.add RNE |thermal.spike_gate_c|
+    (fp.mul RNE |thermal.slew_c_per_tick| ((_ to_fp 8 24) RNE spec_age))))
+(define-fun change_c () F32 (fp.sub RNE |temp_c| |state.temp_c|))
+(define-fun plausible () Bool
+  (ite was_lost
+    (fp.leq (fp.abs (fp.sub RNE |temp_c| |state.candidate_c|)) near_c)
+    (fp.leq (fp.abs change_c) far_c)))
+(define-fun believed () Bool (and in_range plausible forward))
+(define-fun restart () Bool
+  (and believed (or (fp.gt (fp.abs change_c) near_c) (bvsgt spec_age |thermal.restart_ticks|))))
+; As the counters show it, which `counters` proves to be right.
+(define-fun restarted () Bool (distinct |state'.restarts| |state.restarts|))
+(define-fun lost () Bool (bvsgt |state'.age| |thermal.hold_ticks|))
+(define-fun filtered () F32
+  (fp.add RNE (ite restarted change_c zero) |state.filtered_c|))
+(define-fun lag_c () F32
+  (fp.sub RNE (fp.sub RNE |state'.temp_c| filtered) |state.remainder_c|))
+(define-fun spec_rate () F32 (fp.mul RNE lag_c |interval.rate_gain_per_min|))
+(define-fun spec_target () F32
+  (ite lost |thermal.reference_c|
+    (fp.sub RNE |state'.temp_c| (fp.mul RNE |thermal.shift_min| |rate_c_per_min'.value|))))
+(define-fun way_c () F32 (fp.sub RNE spec_target |state.effective_c|))
+(define-fun spec_step () F32
+  (ite (fp.gt way_c |interval.slew_c|) |interval.slew_c|
+  (ite (fp.lt way_c (fp.neg |interval.slew_c|)) (fp.neg |interval.slew_c|) way_c)))
+
+;@ claim belief: the temperature is taken if believed, else it is what it was, NaN and infinite included
+(= |state'.temp_c| (ite believed |temp_c| |state.temp_c|))
+
+;@ claim candidate: the last temperature in range is remembered for comparison
+(same |state'.candidate_c| (ite in_range |temp_c| |state.candidate_c|))
+
+;@ claim age: ticks since the last believed temperature
+(= |state'.age| (ite believed (_ bv0 32) spec_age))
+
+;@ claim settling: starts at a restart, is extended by rejections and else runs down
+(let ((up (sum |state.settling| |interval.ticks|))
+      (down (difference |state.settling| |interval.ticks|)))
+  (let ((longer (ite (bvsge |thermal.heal_ticks| up) |thermal.heal_ticks| up)))
+    (let ((healing (ite (bvslt longer |thermal.longest_heal_ticks|) longer
+                        |thermal.longest_heal_ticks|)))
+      (= |state'.settling|
+        (ite restart |thermal.settle_ticks|
+        (ite (not believed) healing
+        (ite (bvslt down (_ bv0 32)) (_ bv0 32) down)))))))
+
+;@ claim counters: rejections and restarts are counted, each by one
+(and
+  (= |state'.rejected| (bvadd |state.rejected| (ite believed (_ bv0 32) (_ bv1 32))))
+  (= |state'.restarts| (bvadd |state.restarts| (ite restart (_ bv1 32) (_ bv0 32)))))
+
+;@ claim flag_invalid: TEMPERATURE_INVALID if and only if NaN or out of the sensor's range
+(= (flag |status'.value| (_ bv1 16)) (not in_range))
+
+;@ claim flag_spike: TEMPERATURE_SPIKE if and only if in range and not plausible
+(= (flag |status'.value| (_ bv2 16)) (and in_range (not plausible)))
+
+;@ claim flag_lost: TEMPERATURE_LOST if and only if the age exceeds the hold time
+(= (flag |status'.value| (_ bv4 16)) lost)
+
+;@ claim flag_interval: INTERVAL_INVALID is that of the interval, and no other flag is ever set
+(= (bvand |status'.value| (bvnot (_ bv79 16))) |interval.status|)
+
+;@ claim flag_clamped: RATE_CLAMPED if and only if the rate left its range; the rate given is the nearest in range
+(and
+  (= (flag |status'.value| (_ bv64 16))
+     (or (fp.lt spec_rate |thermal.rate_min_c_per_min|)
+         (fp.gt spec_rate |thermal.rate_max_c_per_min|)))
+  (same |rate_c_per_min'.value|
+    (ite (fp.lt spec_rate |thermal.rate_min_c_per_min|) |thermal.rate_min_c_per_min|
+    (ite (fp.gt spec_rate |thermal.rate_max_c_per_min|) |thermal.rate_max_c_per_min|
+      spec_rate))))
+
+;@ claim flag_settling: SETTLING if and only if settling or short of the target by more than the spike gate
+(= (flag |status'.value| (_ bv8 16))
+   (or (bvsgt |state'.settling| (_ bv0 32))
+       (fp.gt (fp.abs (fp.sub RNE way_c spec_step)) |thermal.spike_gate_c|)))
+
+;@ claim filter_equation: the filtered temperature and its remainder follow the documented equations
+(let ((increment (fp.add RNE |state.remainder_c| (fp.mul RNE |interval.alpha| lag_c))))
+  (and
+    (same |state'.filtered_c| (fp.add RNE filtered increment))
+    (same |state'.remainder_c|
+      (fp.sub RNE increment (fp.sub RNE |state'.filtered_c| filtered)))))
+
+;@ claim slew: the effective temperature moves towards its target by a step of the slew at most, rounded once
+(and
+  (within spec_step (fp.neg |interval.slew_c|) |interval.slew_c|)
+  (=> (fp.leq (fp.abs way_c) |interval.slew_c|) (= spec_step way_c))
+  (same |state'.effective_c| (fp.add RNE |state.effective_c| spec_step)))
+
+;@ claim output: the effective temperature given is the one kept, and the rate is in its range
+(and
+  (same |effective_c'.value| |state'.effective_c|)
+  (within |rate_c_per_min'.value| |thermal.rate_min_c_per_min| |thermal.rate_max_c_per_min|))
+
+;@ claim finite: every output and every part of the state but the candidate is finite
+(and (finite |effective_c'.value|) (finite |rate_c_per_min'.value|) (finite |state'.temp_c|)
+     (finite |state'.filtered_c|) (finite |state'.remainder_c|) (finite |state'.effective_c|))
+
+;@ claim kept: the invariant of temperature and times is kept
+(and (within |state'.temp_c| |thermal.sensor_min_c| |thermal.sensor_max_c|)
+     (bvsle (_ bv0 32) |state'.age|) (bvsle (_ bv0 32) |state'.settling|))
+
+;@ claim kept_effective: the invariant of the effective temperature is kept
+(within |state'.effective_c| (fp.neg effective_bound) effective_bound)
+
+;@ claim kept_filtered: the invariant of the filtered temperature is kept
+(within |state'.filtered_c| (fp.neg filter_bound) filter_bound)
+
+;@ claim kept_remainder: the invariant of the remainder is kept
+(within |state'.remainder_c| (fp.neg remainder_bound) remainder_bound)
