@@ -12,10 +12,15 @@
 (and
   (within |thermal.tau_s| ((_ to_fp 8 24) RNE 0.1) ((_ to_fp 8 24) RNE 6000.0))
   (= |thermal.per_tau_hz| (fp.div RNE one |thermal.tau_s|))
+  (within |thermal.spike_gate_c| ((_ to_fp 8 24) RNE 0.001) ((_ to_fp 8 24) RNE 1000.0))
   (within |thermal.max_slew_c_per_min| ((_ to_fp 8 24) RNE 0.001) ((_ to_fp 8 24) RNE 10000.0)))
 
-;@ claim forward: a temperature is usable if and only if time has passed
-(= |interval'.forward| (ite forward (_ bv1 8) (_ bv0 8)))
+;@ claim gate: the spike gate if time has passed, else negative infinity, within which nothing lies
+(= |interval'.gate_c| (ite forward |thermal.spike_gate_c| (_ -oo 8 24)))
+
+;@ claim near: the bits of the gate and the slew together
+(= ((_ to_fp 8 24) |interval'.near|)
+   (fp.add RNE |interval'.gate_c| ((_ to_fp 8 24) |interval'.slew|)))
 
 ;@ claim flag_interval: INTERVAL_INVALID if and only if no time or more than half the time constant has passed, and no other flag
 (= |interval'.status| (ite (or gap (not forward)) (_ bv16 16) (_ bv0 16)))
@@ -34,16 +39,16 @@
 ;@ claim slew_equation: the slew of that time, but for at most half the time constant and at least 2e-5 degC
 (let ((slew (fp.mul RNE
         (fp.mul RNE |thermal.max_slew_c_per_min| (ite gap half_tau real_s))
-        ((_ to_fp 8 24) RNE (/ 1.0 60.0))))
+        ((_ to_fp 8 24) RNE 0.01666666753590106964111328125)))
       (least ((_ to_fp 8 24) RNE 0.00002)))
-  (= |interval'.slew_c| (ite (and forward (fp.lt slew least)) least slew)))
+  (= ((_ to_fp 8 24) |interval'.slew|) (ite (and forward (fp.lt slew least)) least slew)))
 
 ;@ claim gap: after a gap the estimator begins anew and gives no rate
 (=> gap (and (fp.eq |interval'.alpha| one) (fp.eq |interval'.rate_gain_per_min| zero)))
 
 ;@ claim slew: from 0 to a finite figure, and not below 2e-5 degC if time has passed
-(and (within |interval'.slew_c| zero ((_ to_fp 8 24) RNE 500001.0))
-     (=> forward (fp.geq |interval'.slew_c| ((_ to_fp 8 24) RNE 0.00002))))
+(and (within ((_ to_fp 8 24) |interval'.slew|) zero ((_ to_fp 8 24) RNE 500001.0))
+     (=> forward (fp.geq ((_ to_fp 8 24) |interval'.slew|) ((_ to_fp 8 24) RNE 0.00002))))
 
 ;@ claim alpha: within 0 to 1
 (within |interval'.alpha| zero one)

@@ -10,71 +10,75 @@
 (define-fun filter_bound () F32 ((_ to_fp 8 24) RNE 137438953472.0))
 (define-fun remainder_bound () F32 ((_ to_fp 8 24) RNE 8192.0))
 (define-fun effective_bound () F32 ((_ to_fp 8 24) RNE 2097152.0))
+(define-fun temp_bound () F32 ((_ to_fp 8 24) RNE 2048.0))
+; Magnitudes that are kept as bits.
+(define-fun reach_c () F32 ((_ to_fp 8 24) |thermal.sensor_reach|))
+(define-fun slew_c () F32 ((_ to_fp 8 24) |interval.slew|))
+(define-fun near_c () F32 ((_ to_fp 8 24) |interval.near|))
+(define-fun forward () Bool (not (fp.isInfinite |interval.gate_c|)))
 
 ;@ assume settings: what Thermal::new accepts and derives
 (and
-  (within |thermal.sensor_min_c| c_low c_1e3)
-  (within |thermal.sensor_max_c| |thermal.sensor_min_c| c_1e3)
+  (within |thermal.sensor_middle_c| c_low c_1e3)
+  (within reach_c zero ((_ to_fp 8 24) RNE 640.0))
+  (bvsle (_ bv0 32) |thermal.sensor_reach|)
   (within |thermal.spike_gate_c| c_milli c_1e3)
   (within |thermal.rate_min_c_per_min| (fp.neg c_1e4) zero)
   (within |thermal.rate_max_c_per_min| zero c_1e4)
-  (within |thermal.reference_c| |thermal.sensor_min_c| |thermal.sensor_max_c|)
+  (within |thermal.reference_c| c_low c_1e3)
   (within |thermal.slew_c_per_tick| zero ((_ to_fp 8 24) RNE 0.001667))
   (within |thermal.shift_min| zero ((_ to_fp 8 24) RNE 200.0))
   (ticks_within |thermal.hold_ticks| (_ bv0 32) (_ bv2000000000 32))
-  (ticks_within |thermal.heal_ticks| (_ bv0 32) (_ bv2000000000 32))
-  (ticks_within |thermal.settle_ticks| (_ bv1 32) (_ bv2000000000 32))
-  (ticks_within |thermal.longest_heal_ticks| (_ bv0 32) (_ bv2000000000 32))
+  (ticks_within |thermal.healing| (bvneg (_ bv2000000000 32)) (_ bv0 32))
+  (ticks_within |thermal.settling| (bvneg (_ bv2000000000 32)) (bvneg (_ bv1 32)))
   (ticks_within |thermal.restart_ticks| (_ bv1 32) (_ bv2000000000 32)))
 
-;@ assume interval: what Interval::new makes (proved below), or the one of power-on
+;@ assume interval: what Interval::new makes (proved below)
 (and
   (bvsle (_ bv0 32) |interval.ticks|)
   (within |interval.alpha| zero ((_ to_fp 8 24) RNE 1.0))
   (within |interval.rate_gain_per_min| zero ((_ to_fp 8 24) RNE 601.0))
-  (within |interval.slew_c| zero infinity)
+  (bvsle (_ bv0 32) |interval.slew|)
+  (within slew_c zero ((_ to_fp 8 24) RNE 500001.0))
+  (or (= |interval.gate_c| |thermal.spike_gate_c|) (= |interval.gate_c| (_ -oo 8 24)))
+  (= near_c (fp.add RNE |interval.gate_c| slew_c))
   (= (bvand |interval.status| (bvnot (_ bv16 16))) (_ bv0 16)))
 
 ;@ define
-(define-fun invariant ((temp F32) (age (_ BitVec 32)) (settling (_ BitVec 32)) (filtered F32)
-                       (remainder F32) (effective F32)) Bool
+(define-fun invariant ((temp F32) (age (_ BitVec 32)) (filtered F32) (remainder F32)
+                       (effective F32)) Bool
   (and
-    (within temp |thermal.sensor_min_c| |thermal.sensor_max_c|)
+    (within temp (fp.neg temp_bound) temp_bound)
     (bvsle (_ bv0 32) age)
-    (bvsle (_ bv0 32) settling)
     (within filtered (fp.neg filter_bound) filter_bound)
     (within remainder (fp.neg remainder_bound) remainder_bound)
     (within effective (fp.neg effective_bound) effective_bound)))
 
 ;@ assume state: the invariant, which ThermalState::new establishes
-(invariant |state.temp_c| |state.age| |state.settling| |state.filtered_c| |state.remainder_c|
+(invariant |state.temp_c| |state.age| |state.filtered_c| |state.remainder_c|
            |state.effective_c|)
 
 ;@ define
 ; What the documentation says, in its own words.
 (define-fun in_range () Bool
-  (within |temp_c| |thermal.sensor_min_c| |thermal.sensor_max_c|))
-(define-fun forward () Bool (= |interval.forward| (_ bv1 8)))
+  (fp.leq (fp.abs (fp.sub RNE |temp_c| |thermal.sensor_middle_c|)) reach_c))
 (define-fun spec_age () (_ BitVec 32)
   (sum |state.age| |interval.ticks|))
 (define-fun was_lost () Bool (bvsgt |state.age| |thermal.hold_ticks|))
-(define-fun near_c () F32 (fp.add RNE |thermal.spike_gate_c| |interval.slew_c|))
 (define-fun far_c () F32
-  (fp.add RNE |thermal.spike_gate_c|
+  (fp.add RNE |interval.gate_c|
     (fp.mul RNE |thermal.slew_c_per_tick| ((_ to_fp 8 24) RNE spec_age))))
 (define-fun change_c () F32 (fp.sub RNE |temp_c| |state.temp_c|))
-(define-fun plausible () Bool
-  (ite was_lost
-    (fp.leq (fp.abs (fp.sub RNE |temp_c| |state.candidate_c|)) near_c)
-    (fp.leq (fp.abs change_c) far_c)))
-(define-fun believed () Bool (and in_range plausible forward))
-(define-fun restart () Bool
-  (and believed (or (fp.gt (fp.abs change_c) near_c) (bvsgt spec_age |thermal.restart_ticks|))))
-; As the counters show it, which `counters` proves to be right.
-(define-fun restarted () Bool (distinct |state'.restarts| |state.restarts|))
+(define-fun plausible () Bool (fp.leq (fp.abs change_c) (ite was_lost near_c far_c)))
+(define-fun believed () Bool (and in_range plausible))
+(define-fun anew () Bool
+  (or (fp.gt (fp.abs change_c) near_c) (bvsgt spec_age |thermal.restart_ticks|)))
+(define-fun restart () Bool (and believed anew))
 (define-fun lost () Bool (bvsgt |state'.age| |thermal.hold_ticks|))
+; A reading that is not believed is gone on with only once the temperature is lost.
+(define-fun taken () Bool (and in_range (or plausible lost)))
 (define-fun filtered () F32
-  (fp.add RNE (ite restarted change_c zero) |state.filtered_c|))
+  (ite (and taken anew) (fp.add RNE |state.filtered_c| change_c) |state.filtered_c|))
 (define-fun lag_c () F32
   (fp.sub RNE (fp.sub RNE |state'.temp_c| filtered) |state.remainder_c|))
 (define-fun spec_rate () F32 (fp.mul RNE lag_c |interval.rate_gain_per_min|))
@@ -83,28 +87,21 @@
     (fp.sub RNE |state'.temp_c| (fp.mul RNE |thermal.shift_min| |rate_c_per_min'.value|))))
 (define-fun way_c () F32 (fp.sub RNE spec_target |state.effective_c|))
 (define-fun spec_step () F32
-  (ite (fp.gt way_c |interval.slew_c|) |interval.slew_c|
-  (ite (fp.lt way_c (fp.neg |interval.slew_c|)) (fp.neg |interval.slew_c|) way_c)))
+  (ite (fp.gt way_c slew_c) slew_c
+  (ite (fp.lt way_c (fp.neg slew_c)) (fp.neg slew_c) way_c)))
 
-;@ claim belief: the temperature is taken if believed, else it is what it was, NaN and infinite included
-(= |state'.temp_c| (ite believed |temp_c| |state.temp_c|))
-
-;@ claim candidate: the last temperature in range is remembered for comparison
-(same |state'.candidate_c| (ite in_range |temp_c| |state.candidate_c|))
+;@ claim belief: the temperature is taken if believed or to be confirmed, else it is what it was, NaN and infinite included
+(= |state'.temp_c| (ite taken |temp_c| |state.temp_c|))
 
 ;@ claim age: ticks since the last believed temperature
 (= |state'.age| (ite believed (_ bv0 32) spec_age))
 
-;@ claim settling: starts at a restart, is extended by rejections and else runs down
-(let ((up (sum |state.settling| |interval.ticks|))
-      (down (difference |state.settling| |interval.ticks|)))
-  (let ((longer (ite (bvsge |thermal.heal_ticks| up) |thermal.heal_ticks| up)))
-    (let ((healing (ite (bvslt longer |thermal.longest_heal_ticks|) longer
-                        |thermal.longest_heal_ticks|)))
-      (= |state'.settling|
-        (ite restart |thermal.settle_ticks|
-        (ite (not believed) healing
-        (ite (bvslt down (_ bv0 32)) (_ bv0 32) down)))))))
+;@ claim settling: begins at a restart, is extended by rejections and else runs down
+(let ((healing (difference |thermal.healing| |state.age|)))
+  (= |state'.settled|
+    (ite restart |thermal.settling|
+    (ite believed (sum |state.settled| |interval.ticks|)
+    (ite (bvslt |state.settled| healing) |state.settled| healing)))))
 
 ;@ claim counters: rejections and restarts are counted, each by one
 (and
@@ -114,8 +111,8 @@
 ;@ claim flag_invalid: TEMPERATURE_INVALID if and only if NaN or out of the sensor's range
 (= (flag |status'.value| (_ bv1 16)) (not in_range))
 
-;@ claim flag_spike: TEMPERATURE_SPIKE if and only if in range and not plausible
-(= (flag |status'.value| (_ bv2 16)) (and in_range (not plausible)))
+;@ claim flag_spike: TEMPERATURE_SPIKE if and only if in range and not plausible, though time has passed
+(= (flag |status'.value| (_ bv2 16)) (and in_range (not plausible) forward))
 
 ;@ claim flag_lost: TEMPERATURE_LOST if and only if the age exceeds the hold time
 (= (flag |status'.value| (_ bv4 16)) lost)
@@ -133,10 +130,10 @@
     (ite (fp.gt spec_rate |thermal.rate_max_c_per_min|) |thermal.rate_max_c_per_min|
       spec_rate))))
 
-;@ claim flag_settling: SETTLING if and only if settling or short of the target by more than the spike gate
+;@ claim flag_settling: SETTLING if and only if settling or further from the target than the gate and the slew
 (= (flag |status'.value| (_ bv8 16))
-   (or (bvsgt |state'.settling| (_ bv0 32))
-       (fp.gt (fp.abs (fp.sub RNE way_c spec_step)) |thermal.spike_gate_c|)))
+   (or (bvslt |state'.settled| (_ bv0 32))
+       (not (fp.leq (fp.abs way_c) near_c))))
 
 ;@ claim filter_equation: the filtered temperature and its remainder follow the documented equations
 (let ((increment (fp.add RNE |state.remainder_c| (fp.mul RNE |interval.alpha| lag_c))))
@@ -147,8 +144,8 @@
 
 ;@ claim slew: the effective temperature moves towards its target by a step of the slew at most, rounded once
 (and
-  (within spec_step (fp.neg |interval.slew_c|) |interval.slew_c|)
-  (=> (fp.leq (fp.abs way_c) |interval.slew_c|) (= spec_step way_c))
+  (within spec_step (fp.neg slew_c) slew_c)
+  (=> (fp.leq (fp.abs way_c) slew_c) (= spec_step way_c))
   (same |state'.effective_c| (fp.add RNE |state.effective_c| spec_step)))
 
 ;@ claim output: the effective temperature given is the one kept, and the rate is in its range
@@ -156,13 +153,13 @@
   (same |effective_c'.value| |state'.effective_c|)
   (within |rate_c_per_min'.value| |thermal.rate_min_c_per_min| |thermal.rate_max_c_per_min|))
 
-;@ claim finite: every output and every part of the state but the candidate is finite
+;@ claim finite: every output and every part of the state is finite
 (and (finite |effective_c'.value|) (finite |rate_c_per_min'.value|) (finite |state'.temp_c|)
      (finite |state'.filtered_c|) (finite |state'.remainder_c|) (finite |state'.effective_c|))
 
 ;@ claim kept: the invariant of temperature and times is kept
-(and (within |state'.temp_c| |thermal.sensor_min_c| |thermal.sensor_max_c|)
-     (bvsle (_ bv0 32) |state'.age|) (bvsle (_ bv0 32) |state'.settling|))
+(and (within |state'.temp_c| (fp.neg temp_bound) temp_bound)
+     (bvsle (_ bv0 32) |state'.age|))
 
 ;@ claim kept_effective: the invariant of the effective temperature is kept
 (within |state'.effective_c| (fp.neg effective_bound) effective_bound)

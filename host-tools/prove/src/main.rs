@@ -5,7 +5,8 @@ use std::process::Command;
 
 use anyhow::{Context, Result, ensure};
 use clap::Parser;
-use tempco_fit::set::{CoefficientSet, TableData};
+use tempco_fit::load_set;
+use tempco_fit::set::TableData;
 use tempco_prove::report::{Effort, Totals, prove};
 use tempco_prove::smt::Solver;
 use tempco_prove::{exhaustive, gappa};
@@ -42,7 +43,7 @@ fn main() -> Result<()> {
     std::fs::create_dir_all(&args.folder)?;
     let tables = match &args.set {
         Some(path) => {
-            let set = CoefficientSet::read(path)?;
+            let set = load_set(path)?;
             set.channels
                 .into_iter()
                 .map(|channel| channel.table)
