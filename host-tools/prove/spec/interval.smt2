@@ -4,7 +4,9 @@
 ;@ define
 (define-fun half_tau () F32 (fp.mul RNE |thermal.tau_s| ((_ to_fp 8 24) RNE 0.5)))
 (define-fun forward () Bool (fp.gt |dt_s| zero))
-(define-fun gap () Bool (fp.gt |dt_s| half_tau))
+; Not `unordered or at most`, as the compiler has it: the solvers then share the products.
+(define-fun gap () Bool
+  (not (or (or (fp.isNaN |dt_s|) (fp.isNaN half_tau)) (fp.leq |dt_s| half_tau))))
 (define-fun real_s () F32 (ite forward |dt_s| zero))
 (define-fun one () F32 ((_ to_fp 8 24) RNE 1.0))
 
@@ -38,8 +40,8 @@
 
 ;@ claim slew_equation: the slew of that time, but for at most half the time constant and at least 2e-5 degC
 (let ((slew (fp.mul RNE
-        (fp.mul RNE |thermal.max_slew_c_per_min| (ite gap half_tau real_s))
-        ((_ to_fp 8 24) RNE 0.01666666753590106964111328125)))
+        (fp.mul RNE |thermal.max_slew_c_per_min| (ite (not gap) real_s half_tau))
+        (fp.div RNE ((_ to_fp 8 24) RNE 1.0) ((_ to_fp 8 24) RNE 60.0))))
       (least ((_ to_fp 8 24) RNE 0.00002)))
   (= ((_ to_fp 8 24) |interval'.slew|) (ite (and forward (fp.lt slew least)) least slew)))
 

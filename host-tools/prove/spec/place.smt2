@@ -8,9 +8,10 @@
 (define-fun place ((temp F32)) F32
   (fp.mul RNE |table.cells_per_c| (fp.sub RNE temp |table.first_edge_c|)))
 ; Outside the calibrated range, its nearest end.
+(define-fun not_below () F32
+  (ite (fp.lt |effective_c| |table.t_min_c|) |table.t_min_c| |effective_c|))
 (define-fun clamped () F32
-  (ite (fp.gt |effective_c| |table.t_max_c|) |table.t_max_c|
-  (ite (fp.lt |effective_c| |table.t_min_c|) |table.t_min_c| |effective_c|)))
+  (ite (fp.gt not_below |table.t_max_c|) |table.t_max_c| not_below))
 (define-fun k () F32 ((_ to_fp_unsigned 8 24) RNE |cell'.value|))
 
 ;@ assume table: what Table::new accepts and derives: 1 to 1024 cells, the hottest temperature below the count

@@ -167,5 +167,5 @@
 ;@ claim kept_filtered: the invariant of the filtered temperature is kept
 (within |state'.filtered_c| (fp.neg filter_bound) filter_bound)
 
-;@ claim kept_remainder: the invariant of the remainder is kept
+;@ claim kept_remainder slow: the invariant of the remainder is kept
 (within |state'.remainder_c| (fp.neg remainder_bound) remainder_bound)

@@ -15,7 +15,7 @@ pub struct Mutant {
 
 /// Every single change of the kinds below.
 pub fn mutants(function: &Function) -> Vec<Mutant> {
-    let mut mutants = Vec::new();
+    let mut mutants: Vec<Mutant> = nan_believed(function).into_iter().collect();
     for (number, block) in function.blocks.iter().enumerate() {
         for (place, instruction) in block.instructions.iter().enumerate() {
             for (what, op) in changes(&instruction.op) {
@@ -30,6 +30,24 @@ pub fn mutants(function: &Function) -> Vec<Mutant> {
         }
     }
     mutants
+}
+
+/// Every comparison true of NaN: where two of them guard each other, one alone shows nothing.
+fn nan_believed(function: &Function) -> Option<Mutant> {
+    let mut changed = function.clone();
+    for instruction in changed
+        .blocks
+        .iter_mut()
+        .flat_map(|block| &mut block.instructions)
+    {
+        if let Op::FloatCompare(predicate, ..) = &mut instruction.op {
+            predicate.replace_range(..1, "u");
+        }
+    }
+    (changed != *function).then(|| Mutant {
+        name: "NaN passes all comparisons".to_owned(),
+        function: changed,
+    })
 }
 
 fn changes(op: &Op) -> Vec<(&'static str, Op)> {

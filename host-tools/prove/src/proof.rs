@@ -98,6 +98,7 @@ impl Problem {
             name: "defined".to_owned(),
             text: "no operation of the code is undefined or yields poison".to_owned(),
             term,
+            slow: false,
         }
     }
 

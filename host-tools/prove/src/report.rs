@@ -19,6 +19,8 @@ const SPECS: [(&str, &str); 4] = [
     ("update", include_str!("../spec/update.smt2")),
 ];
 
+/// Times the limit for claims that take long.
+const SLOW: f64 = 4.0;
 /// Time limit of a query about a seeded bug \[s\].
 const MUTANT_LIMIT_S: f64 = 15.0;
 
@@ -84,13 +86,13 @@ struct Run<'a> {
 
 impl Run<'_> {
     /// Both solvers at once.
-    fn ask(&self, name: &str, query: &str) -> Result<[Answer; 2]> {
+    fn ask(&self, name: &str, query: &str, limit_s: f64) -> Result<[Answer; 2]> {
         let file = self.folder.join(format!("{name}.smt2"));
         fs::write(&file, query).with_context(|| file.display().to_string())?;
         std::thread::scope(|scope| {
             let [a, b] = self.solvers;
-            let a = scope.spawn(|| a.check(&file, self.effort.limit_s));
-            let b = b.check(&file, self.effort.limit_s)?;
+            let a = scope.spawn(|| a.check(&file, limit_s));
+            let b = b.check(&file, limit_s)?;
             match a.join() {
                 Ok(a) => Ok([a?, b]),
                 Err(_) => bail!("a solver's thread failed"),
@@ -107,7 +109,7 @@ impl Run<'_> {
     }
 
     fn preconditions(&self, problem: &Problem) -> Result<()> {
-        let answers = self.ask("_preconditions", &problem.possible())?;
+        let answers = self.ask("_preconditions", &problem.possible(), self.effort.limit_s)?;
         let [first, second] = self.solvers.each_ref().map(|solver| solver.name);
         println!("  {:26} {first:8} {second:8}", "");
         match answers.each_ref().map(|answer| answer.verdict) {
@@ -126,7 +128,8 @@ impl Run<'_> {
 
     fn claims(&self, problem: &Problem, totals: &mut Totals) -> Result<()> {
         for claim in problem.claims() {
-            let answers = self.ask(&claim.name, &problem.query(&claim))?;
+            let limit_s = self.effort.limit_s * if claim.slow { SLOW } else { 1.0 };
+            let answers = self.ask(&claim.name, &problem.query(&claim), limit_s)?;
             let refuted = answers
                 .iter()
                 .find(|answer| answer.verdict == Verdict::Satisfiable);
@@ -195,7 +198,7 @@ impl Run<'_> {
         let file = self.folder.join(format!("mutant{worker}.smt2"));
         let limit_s = self.effort.limit_s.min(MUTANT_LIMIT_S);
         let mut undecided = Vec::new();
-        for claim in problem.claims() {
+        for claim in problem.claims().into_iter().filter(|claim| !claim.slow) {
             fs::write(&file, problem.query(&claim))?;
             let answer = self.solvers[0].check(&file, limit_s)?;
             match answer.verdict {

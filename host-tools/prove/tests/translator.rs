@@ -125,7 +125,7 @@ fn seeded_bugs_are_of_the_kinds_that_matter() {
         .into_iter()
         .map(|mutant| mutant.name)
         .collect();
-    assert_eq!(names.len(), 7, "{names:?}");
+    assert_eq!(names.len(), 8, "{names:?}");
     for kind in [
         "off by equality",
         "NaN passes",
