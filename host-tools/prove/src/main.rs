@@ -11,9 +11,10 @@ use tempco_prove::report::{Effort, Totals, prove};
 use tempco_prove::smt::Solver;
 use tempco_prove::{exhaustive, gappa};
 
-#[path = "../../../firmware/tables/example.rs"]
 #[allow(dead_code, missing_docs, unreachable_pub, reason = "a generated table")]
-mod example;
+mod example {
+    include!("../../../firmware/tables/example.rs");
+}
 
 /// Prove properties of the core's compiled code, and bound its rounding
 #[derive(Parser)]

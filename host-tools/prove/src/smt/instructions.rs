@@ -129,6 +129,21 @@ impl State {
                 };
                 Value::Bits(*width, format!("(ite ({compare} {a} {b}) {a} {b})"))
             }
+            (
+                ["fshl", _],
+                [
+                    Value::Bits(width, a),
+                    Value::Bits(_, b),
+                    Value::Bits(_, shift),
+                ],
+            ) => {
+                let size = bits(*width, i128::from(*width));
+                // A shift by the whole width gives 0, so that none at all leaves the first.
+                let left = format!("(bvurem {shift} {size})");
+                let right = format!("(bvsub {size} {left})");
+                let term = format!("(bvor (bvshl {a} {left}) (bvlshr {b} {right}))");
+                Value::Bits(*width, term)
+            }
             (["assume"], [Value::Bool(condition)]) => {
                 let condition = condition.clone();
                 self.demand(&instruction.line, &condition);
