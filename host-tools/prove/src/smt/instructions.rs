@@ -68,12 +68,13 @@ impl State {
                 }
                 Value::Bits(wide, integers::extend(name == "sext", wide - width, term))
             }
-            ("trunc", Value::Bits(width, _), Type::Int(narrow), [] | ["nuw"])
+            ("trunc", Value::Bits(width, _), Type::Int(narrow), [] | ["nuw"] | ["nuw", "nsw"])
                 if narrow < *width =>
             {
                 let cut = format!("((_ extract {} 0) {term})", narrow - 1);
-                if flags == ["nuw"] {
-                    let wide = integers::extend(false, width - narrow, &cut);
+                // Extended again, by zeros and by the sign, it must be the same number.
+                for signed in [false, true].into_iter().take(flags.len()) {
+                    let wide = integers::extend(signed, width - narrow, &cut);
                     self.demand(&instruction.line, &format!("(= {wide} {term})"));
                 }
                 match narrow {
