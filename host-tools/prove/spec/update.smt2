@@ -78,7 +78,7 @@
 ; A reading that is not believed is gone on with only once the temperature is lost.
 (define-fun taken () Bool (and in_range (or plausible lost)))
 (define-fun filtered () F32
-  (ite (and taken anew) (fp.add RNE |state.filtered_c| change_c) |state.filtered_c|))
+  (ite (and taken anew) (fp.add RNE change_c |state.filtered_c|) |state.filtered_c|))
 (define-fun lag_c () F32
   (fp.sub RNE (fp.sub RNE |state'.temp_c| filtered) |state.remainder_c|))
 (define-fun spec_rate () F32 (fp.mul RNE lag_c |interval.rate_gain_per_min|))
@@ -90,28 +90,37 @@
   (ite (fp.gt way_c slew_c) slew_c
   (ite (fp.lt way_c (fp.neg slew_c)) (fp.neg slew_c) way_c)))
 
-;@ claim belief: the temperature is taken if believed or to be confirmed, else it is what it was, NaN and infinite included
+;@ claim far: the gate in effect is a number and positive, or nothing passes without time
+(ite forward (fp.leq c_milli far_c) (= far_c (_ -oo 8 24)))
+
+;@ claim near: so is the gate between two readings
+(ite forward (fp.leq c_milli near_c) (= near_c (_ -oo 8 24)))
+
+;@ claim change: the change of a temperature in range is a number
+(=> in_range (finite change_c))
+
+;@ claim belief abstract by far,near,change: the temperature is taken if believed or to be confirmed, else it is what it was, NaN and infinite included
 (= |state'.temp_c| (ite taken |temp_c| |state.temp_c|))
 
-;@ claim age: ticks since the last believed temperature
+;@ claim age abstract by far,near,change: ticks since the last believed temperature
 (= |state'.age| (ite believed (_ bv0 32) spec_age))
 
-;@ claim settling: begins at a restart, is extended by rejections and else runs down
+;@ claim settling abstract by far,near,change: begins at a restart, is extended by rejections and else runs down
 (let ((healing (difference |thermal.healing| |state.age|)))
   (= |state'.settled|
     (ite restart |thermal.settling|
     (ite believed (sum |state.settled| |interval.ticks|)
     (ite (bvslt |state.settled| healing) |state.settled| healing)))))
 
-;@ claim counters: rejections and restarts are counted, each by one
+;@ claim counters abstract by far,near,change: rejections and restarts are counted, each by one
 (and
   (= |state'.rejected| (bvadd |state.rejected| (ite believed (_ bv0 32) (_ bv1 32))))
   (= |state'.restarts| (bvadd |state.restarts| (ite restart (_ bv1 32) (_ bv0 32)))))
 
-;@ claim flag_invalid: TEMPERATURE_INVALID if and only if NaN or out of the sensor's range
+;@ claim flag_invalid abstract by far,near,change: TEMPERATURE_INVALID if and only if NaN or out of the sensor's range
 (= (flag |status'.value| (_ bv1 16)) (not in_range))
 
-;@ claim flag_spike: TEMPERATURE_SPIKE if and only if in range and not plausible, though time has passed
+;@ claim flag_spike abstract by far,near,change: TEMPERATURE_SPIKE if and only if in range and not plausible, though time has passed
 (= (flag |status'.value| (_ bv2 16)) (and in_range (not plausible) forward))
 
 ;@ claim flag_lost: TEMPERATURE_LOST if and only if the age exceeds the hold time
@@ -120,7 +129,10 @@
 ;@ claim flag_interval: INTERVAL_INVALID is that of the interval, and no other flag is ever set
 (= (bvand |status'.value| (bvnot (_ bv79 16))) |interval.status|)
 
-;@ claim flag_clamped: RATE_CLAMPED if and only if the rate left its range; the rate given is the nearest in range
+;@ claim rate: the rate is a number before it is limited
+(finite spec_rate)
+
+;@ claim flag_clamped abstract by far,near,change,rate: RATE_CLAMPED if and only if the rate left its range; the rate given is the nearest in range
 (and
   (= (flag |status'.value| (_ bv64 16))
      (or (fp.lt spec_rate |thermal.rate_min_c_per_min|)
@@ -130,19 +142,22 @@
     (ite (fp.gt spec_rate |thermal.rate_max_c_per_min|) |thermal.rate_max_c_per_min|
       spec_rate))))
 
-;@ claim flag_settling: SETTLING if and only if settling or further from the target than the gate and the slew
+;@ claim way: the way to the target is a number
+(finite way_c)
+
+;@ claim flag_settling abstract by near,way: SETTLING if and only if settling or further from the target than the gate and the slew
 (= (flag |status'.value| (_ bv8 16))
    (or (bvslt |state'.settled| (_ bv0 32))
        (not (fp.leq (fp.abs way_c) near_c))))
 
-;@ claim filter_equation: the filtered temperature and its remainder follow the documented equations
+;@ claim filter_equation abstract by far,near,change: the filtered temperature and its remainder follow the documented equations
 (let ((increment (fp.add RNE |state.remainder_c| (fp.mul RNE |interval.alpha| lag_c))))
   (and
     (same |state'.filtered_c| (fp.add RNE filtered increment))
     (same |state'.remainder_c|
       (fp.sub RNE increment (fp.sub RNE |state'.filtered_c| filtered)))))
 
-;@ claim slew: the effective temperature moves towards its target by a step of the slew at most, rounded once
+;@ claim slew abstract by way: the effective temperature moves towards its target by a step of the slew at most, rounded once
 (and
   (within spec_step (fp.neg slew_c) slew_c)
   (=> (fp.leq (fp.abs way_c) slew_c) (= spec_step way_c))

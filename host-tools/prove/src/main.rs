@@ -28,6 +28,9 @@ struct Args {
     /// Coefficient set whose tables are examined; the example table without one
     #[arg(long)]
     set: Option<PathBuf>,
+    /// Only this function: place, bias, interval or update
+    #[arg(long)]
+    only: Option<String>,
     /// Time limit of a query \[s\]
     #[arg(long, default_value_t = 120.0)]
     limit: f64,
@@ -62,6 +65,7 @@ fn main() -> Result<()> {
             let effort = Effort {
                 limit_s: args.limit,
                 mutants: args.mutants,
+                only: args.only.as_deref(),
             };
             let totals = prove(&args.ir, &solvers, &args.folder, effort)?;
             conclude(&totals, &args);

@@ -83,8 +83,36 @@ impl Problem {
     }
 
     /// Unsatisfiable if the claim holds.
-    pub fn query(&self, claim: &Claim) -> String {
-        format!("{}(assert (not {}))\n", self.preamble(), claim.term)
+    ///
+    /// # Errors
+    /// It is to follow from a claim that is not among those before it.
+    pub fn query(&self, claim: &Claim) -> Result<String> {
+        let mut text = self.preamble();
+        for name in &claim.by {
+            let earlier = self.spec.claims.iter().take_while(|other| *other != claim);
+            let given = earlier.into_iter().find(|other| other.name == *name);
+            let given = given.with_context(|| format!("{} by {name}, unknown", claim.name))?;
+            writeln!(text, "; {name}\n(assert {})", given.term).ok();
+        }
+        writeln!(text, "(assert (not {}))", claim.term).ok();
+        Ok(text)
+    }
+
+    /// The same for any functions in place of the three operations that have exact counterparts
+    /// in the specification. Unsatisfiable only if the claim holds; satisfiable says nothing.
+    ///
+    /// # Errors
+    /// As [`query`](Self::query).
+    pub fn abstract_query(&self, claim: &Claim) -> Result<String> {
+        let mut text = self.query(claim)?.replace("QF_BVFP", "QF_UFBVFP");
+        let mut functions = String::new();
+        for op in ["add", "sub", "mul"] {
+            text = text.replace(&format!("(fp.{op} RNE "), &format!("(any_{op} "));
+            writeln!(functions, "(declare-fun any_{op} (F32 F32) F32)").ok();
+        }
+        // After the line that defines F32.
+        let sort = "(define-sort F32 () (_ FloatingPoint 8 24))\n";
+        Ok(text.replace(sort, &format!("{sort}{functions}")))
     }
 
     /// Everything that the code's flags demand, as one claim.
@@ -98,7 +126,7 @@ impl Problem {
             name: "defined".to_owned(),
             text: "no operation of the code is undefined or yields poison".to_owned(),
             term,
-            slow: false,
+            ..Claim::default()
         }
     }
 

@@ -1,5 +1,6 @@
 //! Runs the queries and tells what came of them.
 
+use std::collections::HashMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -26,11 +27,13 @@ const MUTANT_LIMIT_S: f64 = 15.0;
 
 /// How long to try.
 #[derive(Clone, Copy, Debug)]
-pub struct Effort {
+pub struct Effort<'a> {
     /// Time limit of a query \[s\].
     pub limit_s: f64,
     /// Whether the seeded bugs are tried.
     pub mutants: bool,
+    /// The only function to prove, where one is named.
+    pub only: Option<&'a str>,
 }
 
 /// Totals over all specifications.
@@ -55,10 +58,16 @@ pub struct Totals {
 /// # Errors
 /// A claim that does not hold, preconditions that contradict each other, code that is not
 /// understood.
-pub fn prove(ir: &Path, solvers: &[Solver; 2], folder: &Path, effort: Effort) -> Result<Totals> {
+pub fn prove(
+    ir: &Path,
+    solvers: &[Solver; 2],
+    folder: &Path,
+    effort: Effort<'_>,
+) -> Result<Totals> {
     let code = Code::read(ir)?;
     let mut totals = Totals::default();
-    for (name, text) in SPECS {
+    let wanted = |name: &str| effort.only.is_none_or(|only| only == name);
+    for (name, text) in SPECS.into_iter().filter(|(name, _)| wanted(name)) {
         let spec = Spec::parse(text)?;
         let function = code.function(&spec.function)?;
         let problem = Problem::new(&spec, function, &code.objects)?;
@@ -81,7 +90,7 @@ pub fn prove(ir: &Path, solvers: &[Solver; 2], folder: &Path, effort: Effort) ->
 struct Run<'a> {
     folder: PathBuf,
     solvers: &'a [Solver; 2],
-    effort: Effort,
+    effort: Effort<'a>,
 }
 
 impl Run<'_> {
@@ -127,9 +136,20 @@ impl Run<'_> {
     }
 
     fn claims(&self, problem: &Problem, totals: &mut Totals) -> Result<()> {
+        let mut known = HashMap::new();
         for claim in problem.claims() {
             let limit_s = self.effort.limit_s * if claim.slow { SLOW } else { 1.0 };
-            let answers = self.ask(&claim.name, &problem.query(&claim), limit_s)?;
+            let mut answers = None;
+            if claim.abstracted {
+                let query = problem.abstract_query(&claim)?;
+                let general = self.ask(&claim.name, &query, limit_s)?;
+                let unsatisfiable = |answer: &Answer| answer.verdict == Verdict::Unsatisfiable;
+                answers = general.iter().all(unsatisfiable).then_some(general);
+            }
+            let answers = match answers {
+                Some(answers) => answers,
+                None => self.ask(&claim.name, &problem.query(&claim)?, limit_s)?,
+            };
             let refuted = answers
                 .iter()
                 .find(|answer| answer.verdict == Verdict::Satisfiable);
@@ -141,10 +161,14 @@ impl Run<'_> {
                     answer.model
                 );
             }
+            // What follows from a claim is not better known than that.
             let proofs = answers
                 .iter()
                 .filter(|answer| answer.verdict == Verdict::Unsatisfiable)
                 .count();
+            let given = claim.by.iter().filter_map(|name| known.get(name));
+            let proofs = given.copied().fold(proofs, usize::min);
+            known.insert(claim.name.clone(), proofs);
             let (mark, count) = match proofs {
                 2 => ("proved", &mut totals.by_two),
                 1 => ("by one", &mut totals.by_one),
@@ -199,8 +223,15 @@ impl Run<'_> {
         let limit_s = self.effort.limit_s.min(MUTANT_LIMIT_S);
         let mut undecided = Vec::new();
         for claim in problem.claims().into_iter().filter(|claim| !claim.slow) {
-            fs::write(&file, problem.query(&claim))?;
-            let answer = self.solvers[0].check(&file, limit_s)?;
+            fs::write(&file, problem.query(&claim)?)?;
+            let mut answer = self.solvers[0].check(&file, limit_s)?;
+            if answer.verdict == Verdict::Unknown && claim.abstracted {
+                fs::write(&file, problem.abstract_query(&claim)?)?;
+                let general = self.solvers[0].check(&file, limit_s)?;
+                if general.verdict == Verdict::Unsatisfiable {
+                    answer = general;
+                }
+            }
             match answer.verdict {
                 Verdict::Satisfiable => {
                     totals.killed += 1;

@@ -4,13 +4,18 @@
 //! ;@ function NAME       the function that is specified
 //! ;@ define              definitions, taken over as they are
 //! ;@ assume NAME: TEXT   a term that is taken for granted
-//! ;@ claim NAME: TEXT    a term that is to be proved; with `slow` after its name, in more time
+//! ;@ claim NAME: TEXT    a term that is to be proved
 //! ```
+//!
+//! Words after the name of a claim say how it is proved: `slow` in more time; `by a,b` with the
+//! claims a and b, proved before it, taken for granted; `abstract` for any functions in place of
+//! addition, subtraction and multiplication, which spares the solver the rounding where code and
+//! specification name the same operations.
 
 use anyhow::{Context, Result, bail};
 
 /// A term with its name and what it says in words.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Claim {
     /// Short name.
     pub name: String,
@@ -20,6 +25,10 @@ pub struct Claim {
     pub term: String,
     /// It takes solvers long.
     pub slow: bool,
+    /// It holds whatever arithmetic does.
+    pub abstracted: bool,
+    /// Names of the claims it follows from.
+    pub by: Vec<String>,
 }
 
 /// Text and claims of a specification, in their order.
@@ -49,17 +58,10 @@ impl Spec {
                 "function" => spec.function = rest.trim().to_owned(),
                 "define" => spec.definitions.push_str(body),
                 "assume" | "claim" => {
-                    let (name, text) = rest.split_once(": ").context("a name and a text")?;
-                    let (name, slow) = match name.strip_suffix(" slow") {
-                        Some(name) => (name, true),
-                        None => (name, false),
-                    };
-                    let claim = Claim {
-                        slow,
-                        name: name.to_owned(),
-                        text: text.to_owned(),
-                        term: body.trim().to_owned(),
-                    };
+                    let (manner, text) = rest.split_once(": ").context("a name and a text")?;
+                    let mut claim = Claim::in_manner(manner)?;
+                    claim.text = text.to_owned();
+                    claim.term = body.trim().to_owned();
                     match kind {
                         "assume" => spec.assumptions.push(claim),
                         _ => spec.claims.push(claim),
@@ -72,6 +74,29 @@ impl Spec {
     }
 }
 
+impl Claim {
+    /// A name and how the claim is proved.
+    fn in_manner(text: &str) -> Result<Self> {
+        let mut words = text.split(' ');
+        let mut claim = Self {
+            name: words.next().context("a name")?.to_owned(),
+            ..Self::default()
+        };
+        while let Some(word) = words.next() {
+            match word {
+                "slow" => claim.slow = true,
+                "abstract" => claim.abstracted = true,
+                "by" => {
+                    let names = words.next().context("names after `by`")?;
+                    claim.by = names.split(',').map(str::to_owned).collect();
+                }
+                _ => bail!("`{word}` after the name {}", claim.name),
+            }
+        }
+        Ok(claim)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -79,7 +104,7 @@ mod tests {
     #[test]
     fn sections_are_told_apart() {
         let text = "; head\n;@ function f\n;@ define\n(d)\n;@ assume a: one\n(a)\n\n\
-                    ;@ claim c slow: two: three\n(c\n  d)\n";
+                    ;@ claim c slow abstract by a,b: two: three\n(c\n  d)\n";
         let spec = Spec::parse(text).unwrap();
         assert_eq!(
             (spec.function.as_str(), spec.definitions.trim()),
@@ -91,7 +116,9 @@ mod tests {
             (claim.name.as_str(), claim.text.as_str()),
             ("c", "two: three")
         );
-        assert!(claim.slow && claim.term == "(c\n  d)");
+        assert!(claim.slow && claim.abstracted && claim.term == "(c\n  d)");
+        assert_eq!(claim.by, ["a", "b"]);
+        assert!(Spec::parse("\n;@ claim x soon: y\n").is_err());
         assert!(Spec::parse("\n;@ prove x: y\n").is_err());
     }
 }

@@ -107,7 +107,7 @@ impl State {
         let name = name.strip_prefix("llvm.").ok_or("a call")?;
         let parts: Vec<&str> = name.split('.').collect();
         let value = match (&parts[..], &values[..]) {
-            (["fabs", "f32"], [Value::Float(a)]) => Value::Float(format!("(fp.abs {a})")),
+            (["fabs", "f32"], [Value::Float(a)]) => self.magnitude(a),
             ([op @ ("fptosi" | "fptoui"), "sat", _, "f32"], [Value::Float(a)]) => {
                 let width = parts[2]
                     .strip_prefix('i')

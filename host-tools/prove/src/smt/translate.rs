@@ -3,9 +3,10 @@
 //! Control flow must not loop. Blocks are visited in an order in which every block follows those
 //! that lead to it; a store counts where the condition of its block holds, a phi selects by the
 //! conditions of the edges. NaNs carry no payload: where the bits of a float are read, they are any
-//! bits that stand for the float, which is more than the machine does and so proves no less.
+//! bits that stand for the float, which is more than the machine does and so proves no less;
+//! but a magnitude has no sign bit, NaN or not.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::fmt::Write;
 
 use super::memory::{FieldType, Memory, Object};
@@ -52,6 +53,8 @@ pub(super) struct State {
     here: String,
     pub(super) label: String,
     result: Option<Value>,
+    /// Results of `fabs`, whose sign bit is clear even where they are NaN.
+    magnitudes: HashSet<String>,
     count: usize,
 }
 
@@ -137,10 +140,20 @@ impl State {
         let (Some(sort), Some(term)) = (value.sort(), value.term()) else {
             return value.clone();
         };
+        if self.magnitudes.contains(term) {
+            return value.clone();
+        }
         self.count += 1;
         let name = format!("v{}", self.count);
         writeln!(self.out.body, "(define-fun {name} () {sort} {term})").ok();
         value.named(name)
+    }
+
+    /// The magnitude of a float.
+    pub(super) fn magnitude(&mut self, term: &str) -> Value {
+        let value = self.define(&Value::Float(format!("(fp.abs {term})")));
+        self.magnitudes.extend(value.term().map(str::to_owned));
+        value
     }
 
     fn block(&mut self, block: &Block) -> Result<(), Unsupported> {
@@ -333,6 +346,10 @@ impl State {
                      (assert (= ((_ to_fp 8 24) {name}) {term}))"
                 )
                 .ok();
+                if self.magnitudes.contains(term) {
+                    let sign = format!("((_ extract 31 31) {name})");
+                    writeln!(self.out.body, "(assert (= {sign} #b0))").ok();
+                }
                 Ok(Value::Bits(32, name))
             }
             _ => Err("bytes read as another type".to_owned()),
