@@ -16,6 +16,9 @@ pub(crate) struct Args {
     /// Also pass all 2^32 temperatures through the table, against f64
     #[arg(long)]
     exhaustive: bool,
+    /// Only this function: place, bias, interval or update
+    #[arg(long)]
+    only: Option<String>,
     /// Time limit of a query \[s\]
     #[arg(long, default_value_t = 120.0)]
     limit: f64,
@@ -40,6 +43,9 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     prove.args(["--limit", &args.limit.to_string()]);
     if let Some(set) = &args.set {
         prove.arg("--set").arg(std::path::absolute(set)?);
+    }
+    if let Some(only) = &args.only {
+        prove.args(["--only", only]);
     }
     for (wanted, name) in [
         (args.mutants, "--mutants"),
