@@ -172,3 +172,34 @@ fn temperatures_per_axis_are_fitted_and_replayed_apart() {
     assert!(out.contains("3 channel(s) of 1 axes"), "{out}");
     assert!(out.contains("0 of 10801 samples differ"), "{out}");
 }
+
+#[test]
+fn rounding_that_matters_is_remarked_on() {
+    let bench = Bench::new();
+    bench.ok("simulate --unit paper --profile short --seed 3 --out log.csv");
+    let log = std::fs::read_to_string(bench.path("log.csv")).unwrap();
+    // So large a constant on x that an f32 of it is coarse beside what is to be removed.
+    let shifted: Vec<String> = log
+        .lines()
+        .map(|line| {
+            let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
+            if let Ok(pulses) = cells[2].parse::<i64>() {
+                cells[2] = (pulses + 30_000).to_string();
+            }
+            cells.join(",")
+        })
+        .collect();
+    bench.write("shifted.csv", &shifted.join("\n"));
+    for (file, remarked) in [("log.csv", false), ("shifted.csv", true)] {
+        let ran = bench.run(&format!(
+            "fit {file} --serial S1 --segments 5:45 --out {file}.set"
+        ));
+        assert_eq!(ran.code, 0, "{}", ran.err);
+        let said = format!("{}{}", ran.out, ran.err);
+        let remark = |axis: &str| said.contains(&format!("axis {axis}: rounding in f32 can cost"));
+        assert_eq!(remark("x"), remarked, "{file}: {said}");
+        assert!(!remark("y"), "{file}: {said}");
+        let shown = bench.ok(&format!("inspect {file}.set/coefficients.json"));
+        assert!(shown.contains("rounding bound"), "{shown}");
+    }
+}

@@ -104,6 +104,8 @@ fn show_channel(channel: &ChannelSet) -> Result<()> {
     ];
     print(table(&header, rows))?;
 
+    show_rounding(channel)?;
+
     let mut rows = Vec::new();
     for (number, axis) in channel.axes.iter().enumerate() {
         for mismatch in channel.mismatches(number) {
@@ -130,4 +132,25 @@ fn show_channel(channel: &ChannelSet) -> Result<()> {
         print(table(&header, rows))?;
     }
     Ok(())
+}
+
+/// What the core's f32 arithmetic can cost, beside what there is to compensate.
+fn show_rounding(channel: &ChannelSet) -> Result<()> {
+    let rows = channel.axes.iter().enumerate().map(|(number, axis)| {
+        let bound = channel.table.rounding_bound(number);
+        vec![
+            format!("{} [{}]", axis.name, axis.unit),
+            figure(channel.table.static_range(number)),
+            format!("{:.1e}", bound.total),
+            format!("{:.1e}", bound.edge_c),
+        ]
+    });
+    print("\nBias range, and the most that rounding in f32 can add to it")?;
+    let header = [
+        "axis",
+        "static bias range",
+        "rounding bound",
+        "edges within [degC]",
+    ];
+    print(table(&header, rows))
 }

@@ -18,6 +18,9 @@ use crate::statistics;
 /// The whole log must span this much for a fit to mean anything \[degC\].
 const LEAST_SPAN_C: f32 = 10.0;
 
+/// A rounding bound beyond this share of the compensated bias stability is remarked on.
+const LARGE_ROUNDING: f64 = 0.01;
+
 /// What to fit.
 #[derive(Clone, Debug)]
 pub struct FitOptions {
@@ -226,6 +229,18 @@ fn remark_on_set(set: &CoefficientSet, remarks: &mut Vec<String>) {
                 remarks.push(format!(
                     "axis {}: neighbouring segments disagree by more than half of the bias range",
                     axis.name
+                ));
+            }
+            let rounding = channel.table.rounding_bound(number).total;
+            let sigma = axis
+                .statistics
+                .map_or(0.0, |figures| figures.sigma_compensated);
+            if sigma > 0.0 && rounding > LARGE_ROUNDING * sigma {
+                remarks.push(format!(
+                    "axis {}: rounding in f32 can cost {rounding:.1e}, more than {:.0} % of the \
+                     bias stability with compensation",
+                    axis.name,
+                    100.0 * LARGE_ROUNDING
                 ));
             }
         }

@@ -21,6 +21,7 @@ pub mod metrics;
 pub mod model;
 mod regress;
 pub mod rfactor;
+mod rounding;
 pub mod segment;
 pub mod set;
 mod solve;
@@ -30,4 +31,5 @@ pub mod unit;
 
 pub use load::{SetError, load_set};
 pub use regress::thermal_points;
+pub use rounding::RoundingBound;
 pub use solve::TERMS;

@@ -6,6 +6,7 @@ mod cycles;
 mod demo;
 mod figure;
 mod golden;
+mod prove;
 mod run;
 mod test;
 
@@ -33,6 +34,8 @@ enum Task {
     Golden(golden::Args),
     /// Executed instructions on the target, rows per second on the host
     Bench(bench::Args),
+    /// Proofs on the compiled core by two solvers, bounds on rounding; skips what is not there
+    Prove(prove::Args),
 }
 
 fn main() -> ExitCode {
@@ -42,6 +45,7 @@ fn main() -> ExitCode {
         Task::Check => check::run(),
         Task::Golden(args) => golden::run(&args),
         Task::Bench(args) => bench::run(&args),
+        Task::Prove(args) => prove::run(&args),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

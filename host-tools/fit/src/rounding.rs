@@ -1,0 +1,219 @@
+//! How far the core's f32 arithmetic can be from exact arithmetic, for a given table.
+//!
+//! A running error analysis: each operation rounds to nearest, so that its result is off by a
+//! share of [`UNIT`] of its magnitude at most, or by [`UNDERFLOW`] where it is subnormal. Errors of
+//! the operands are passed on. All of it is computed in f64 and enlarged by [`SLACK`], which
+//! outweighs the rounding of the analysis itself many times over.
+
+use crate::set::TableData;
+
+/// Largest relative error of an f32 operation.
+const UNIT: f64 = 1.0 / (1 << 24) as f64;
+/// Largest error of a subnormal result: half of 2^-149.
+const UNDERFLOW: f64 = f32::from_bits(1) as f64 / 2.0;
+/// Allowance for the rounding of this analysis in f64.
+const SLACK: f64 = 1.0 + 1e-9;
+
+/// Bound on the rounding of one axis over the calibrated temperatures and rates.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RoundingBound {
+    /// Error of the polynomial for the place it is given \[unit of the axis\].
+    pub evaluation: f64,
+    /// Error of the place within the cell \[cells\].
+    pub place: f64,
+    /// Error of the bias for the effective temperature: the polynomial's, and that of the place
+    /// times the steepest slope \[unit of the axis\].
+    pub total: f64,
+    /// How far from an edge between cells the neighbour may be evaluated instead \[degC\].
+    pub edge_c: f64,
+}
+
+impl TableData {
+    /// The largest difference between the bias of an axis as the core computes it and the exact
+    /// value of the same coefficients at the same effective temperature and rate, for every f32
+    /// temperature and every calibrated rate, in the cell that the core chose.
+    ///
+    /// # Panics
+    /// If the table has no such axis.
+    pub fn rounding_bound(&self, axis: usize) -> RoundingBound {
+        let thermal = &self.thermal;
+        let rate = f64::from(thermal.rate_max_c_per_min.max(-thermal.rate_min_c_per_min));
+        let place = self.place_error();
+        let mut bound = RoundingBound {
+            place,
+            edge_c: place * self.cell_width_c(),
+            ..RoundingBound::default()
+        };
+        for cell in &self.cells {
+            let terms = cell[axis].map(f64::from);
+            let evaluation = evaluation_error(terms, rate);
+            let slope = slope(terms, rate, place);
+            bound.evaluation = bound.evaluation.max(evaluation);
+            bound.total = bound.total.max((evaluation + slope * place) * SLACK);
+        }
+        bound
+    }
+
+    /// Width of a cell \[degC\].
+    pub fn cell_width_c(&self) -> f64 {
+        (f64::from(self.last_edge_c) - f64::from(self.first_edge_c)) / self.cells.len() as f64
+    }
+
+    /// The factor by which the core computes places \[1/degC\]: the nearest f32 to the number of
+    /// cells per degree that leaves the hottest temperature below the number of cells.
+    pub fn cells_per_c(&self) -> f32 {
+        let (count, span_c) = (
+            self.cells.len() as f32,
+            self.last_edge_c - self.first_edge_c,
+        );
+        let mut cells_per_c = count / span_c;
+        while span_c * cells_per_c >= count {
+            cells_per_c = cells_per_c.next_down();
+        }
+        cells_per_c
+    }
+
+    /// Largest error of `(T - first_edge) cells_per_c`; taking the whole cells off is exact.
+    fn place_error(&self) -> f64 {
+        let exact = 1.0 / self.cell_width_c();
+        let factor = (f64::from(self.cells_per_c()) / exact - 1.0).abs() + 1e-15;
+        let relative = (1.0 + factor) * (1.0 + UNIT) * (1.0 + UNIT) - 1.0;
+        let hottest = (f64::from(self.t_max_c) - f64::from(self.first_edge_c)) * exact;
+        (hottest * relative + UNDERFLOW) * SLACK
+    }
+}
+
+/// A number that is known to a bound: its largest magnitude, exactly computed, and its error.
+#[derive(Clone, Copy)]
+struct Rounded {
+    most: f64,
+    error: f64,
+}
+
+impl Rounded {
+    const fn exact(most: f64) -> Self {
+        Self { most, error: 0.0 }
+    }
+
+    /// A result of magnitude `most` whose operands bring in `error`.
+    fn new(most: f64, error: f64) -> Self {
+        Self {
+            most,
+            error: error + UNIT * (most + error) + UNDERFLOW,
+        }
+    }
+
+    /// The product with an exact number of at most this magnitude.
+    fn times(self, most: f64) -> Self {
+        Self::new(self.most * most, self.error * most)
+    }
+
+    /// The sum with an exact number, of a known magnitude.
+    fn plus_exact(self, most: f64) -> Self {
+        Self::new(most, self.error)
+    }
+}
+
+/// Error of `(a0 + z (a1 + z a2)) + T' (r0 + z r1)` in f32 for z from 0 to 1.
+fn evaluation_error([a0, a1, a2, r0, r1]: [f64; 5], rate: f64) -> f64 {
+    let linear = Rounded::exact(a2.abs()).times(1.0);
+    let linear = linear.plus_exact(a1.abs().max((a1 + a2).abs()));
+    let fixed = linear.times(1.0).plus_exact(quadratic_most(a0, a1, a2));
+    let by_rate = Rounded::exact(r1.abs()).times(1.0);
+    let by_rate = by_rate.plus_exact(r0.abs().max((r0 + r1).abs()));
+    let by_rate = by_rate.times(rate);
+    Rounded::new(fixed.most + by_rate.most, fixed.error + by_rate.error).error * SLACK
+}
+
+/// Largest magnitude of `a0 + a1 z + a2 z^2` for z from 0 to 1.
+fn quadratic_most(a0: f64, a1: f64, a2: f64) -> f64 {
+    let ends = a0.abs().max((a0 + a1 + a2).abs());
+    let z = -0.5 * a1 / a2;
+    if (0.0..=1.0).contains(&z) {
+        ends.max((a0 + 0.5 * a1 * z).abs())
+    } else {
+        ends
+    }
+}
+
+/// Steepest slope per cell, also a little beyond its edges.
+fn slope([_, a1, a2, _, r1]: [f64; 5], rate: f64, beyond: f64) -> f64 {
+    a1.abs().max((a1 + 2.0 * a2).abs()) + 2.0 * beyond * a2.abs() + rate * r1.abs()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::set::ThermalData;
+    use proptest::prelude::*;
+    use tempco::{ThermalPoint, ThermalSettings};
+
+    fn table(terms: [f32; 5], edges: (f32, f32), count: usize, rate: f32) -> TableData {
+        let settings = ThermalSettings {
+            rate_min_c_per_min: -rate,
+            rate_max_c_per_min: rate,
+            ..ThermalSettings::DEFAULT
+        };
+        TableData {
+            thermal: ThermalData::from(settings),
+            first_edge_c: edges.0,
+            last_edge_c: edges.1,
+            t_min_c: edges.0,
+            t_max_c: edges.1,
+            cells: vec![vec![terms]; count],
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(2000))]
+
+        #[test]
+        fn measured_errors_stay_within_the_bound(
+            terms in prop::array::uniform5(-1.0_f32..1.0),
+            exponents in prop::array::uniform5(-20_i32..10),
+            first in -80.0_f32..20.0,
+            span in 1.0_f32..200.0,
+            count in 1_usize..=1024,
+            at in 0.0_f32..=1.0,
+            rate in 0.0_f32..30.0,
+            share in -1.0_f32..=1.0,
+        ) {
+            let terms: [f32; 5] = std::array::from_fn(|i| terms[i] * 2.0_f32.powi(exponents[i]));
+            let table = table(terms, (first, first + span), count, rate);
+            let bound = table.rounding_bound(0);
+            let cells = table.terms::<1>(0);
+            let core = table.table(&cells).unwrap();
+            let effective_c = (first + span * at).min(table.t_max_c);
+            let rate = rate * share;
+            let place = core.place(effective_c);
+            let z = f64::from(place.z);
+            let polynomial = |z: f64| {
+                let [a0, a1, a2, r0, r1] = terms.map(f64::from);
+                a0 + z * (a1 + z * a2) + f64::from(rate) * (r0 + z * r1)
+            };
+            let bias = f64::from(core.cells()[place.cell][0].bias(place.z, rate));
+            prop_assert!((bias - polynomial(z)).abs() <= bound.evaluation);
+            let exact = (f64::from(effective_c) - f64::from(first)) / table.cell_width_c()
+                - place.cell as f64;
+            prop_assert!((z - exact).abs() <= bound.place);
+            prop_assert!((bias - polynomial(exact)).abs() <= bound.total);
+            let point = ThermalPoint { effective_c, rate_c_per_min: rate, ..Default::default() };
+            prop_assert_eq!(f64::from(core.bias(&point).0[0]), bias);
+        }
+    }
+
+    /// The bound for any table: 18 half-units of the last place of the largest coefficient.
+    #[test]
+    fn the_generic_bound_is_eighteen_units() {
+        let bound = evaluation_error([1.0; 5], 1.0);
+        let mixed = evaluation_error([1.0, 0.5, -1.0, 1.0, -1.0], 1.0);
+        assert!(bound <= 18.01 * UNIT, "{bound}");
+        assert!(mixed <= 18.01 * UNIT, "{mixed}");
+    }
+
+    #[test]
+    fn a_flat_table_rounds_by_its_own_last_place_only() {
+        let bound = table([3.0, 0.0, 0.0, 0.0, 0.0], (0.0, 1.0), 1, 0.0).rounding_bound(0);
+        assert!(bound.total < 3.0 * 3.0 * UNIT, "{}", bound.total);
+    }
+}

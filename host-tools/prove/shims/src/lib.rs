@@ -1,0 +1,84 @@
+//! Functions of plain arguments around the core: their LLVM IR is what `cargo xtask prove` proves.
+//!
+//! The constants show where the compiler put the private fields of the core's types.
+#![no_std]
+#![allow(unsafe_code, reason = "names that can be found again")]
+
+use tempco::{Interval, Table, Terms, Thermal, ThermalSettings, ThermalState};
+
+/// One update of the thermal path.
+#[unsafe(no_mangle)]
+pub fn prove_update(
+    state: &mut ThermalState,
+    thermal: &Thermal,
+    interval: &Interval,
+    temp_c: f32,
+    effective_c: &mut f32,
+    rate_c_per_min: &mut f32,
+    status: &mut u16,
+) {
+    let point = state.update(thermal, interval, temp_c);
+    *effective_c = point.effective_c;
+    *rate_c_per_min = point.rate_c_per_min;
+    *status = point.status.bits();
+}
+
+/// The interval made of a time.
+#[unsafe(no_mangle)]
+pub fn prove_interval(thermal: &Thermal, dt_s: f32, interval: &mut Interval) {
+    *interval = Interval::new(thermal, dt_s);
+}
+
+/// The cell of an effective temperature.
+#[unsafe(no_mangle)]
+pub fn prove_place(
+    table: &Table<'_, 1>,
+    effective_c: f32,
+    cell: &mut u32,
+    z: &mut f32,
+    status: &mut u16,
+) {
+    let place = table.place(effective_c);
+    *cell = place.cell as u32;
+    *z = place.z;
+    *status = place.status.bits();
+}
+
+/// The bias in a cell.
+#[unsafe(no_mangle)]
+pub fn prove_bias(terms: &Terms, z: f32, rate_c_per_min: f32) -> f32 {
+    terms.bias(z, rate_c_per_min)
+}
+
+const THERMAL: Thermal = match Thermal::new(ThermalSettings::DEFAULT) {
+    Ok(thermal) => thermal,
+    Err(_) => panic!(),
+};
+
+/// Cells for the tables of constants.
+pub static PROVE_CELLS: [[Terms; 1]; 3] = [[Terms {
+    a: [0.0; 3],
+    r: [0.0; 2],
+}]; 3];
+
+/// A table with the edges 3 and 11 degC, calibrated from 4.25 to 9.75 degC.
+#[unsafe(no_mangle)]
+pub static PROVE_TABLE: Table<'static, 1> = match Table::new(THERMAL, 3.0, 11.0, &PROVE_CELLS) {
+    Ok(table) => match table.calibrated(4.25, 9.75) {
+        Ok(table) => table,
+        Err(_) => panic!(),
+    },
+    Err(_) => panic!(),
+};
+
+/// The default settings, checked.
+#[unsafe(no_mangle)]
+pub static PROVE_THERMAL: Thermal = THERMAL;
+
+/// A state as it is made.
+#[unsafe(no_mangle)]
+pub static PROVE_STATE: ThermalState = ThermalState::new(&THERMAL);
+
+/// An interval of a quarter of a second.
+#[unsafe(no_mangle)]
+pub static PROVE_INTERVAL: Interval = Interval::new(&THERMAL, 0.25);

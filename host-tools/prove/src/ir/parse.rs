@@ -1,0 +1,294 @@
+//! Reads function definitions line by line.
+
+use super::lexer::Words;
+use super::{Block, Function, Instruction, Op, Operand, Type, Unsupported};
+
+/// Reads the functions whose names begin with `prefix`; others are not looked at.
+///
+/// # Errors
+/// The first thing in one of them that is not understood.
+pub fn parse_functions(text: &str, prefix: &str) -> Result<Vec<Function>, Unsupported> {
+    let mut functions = Vec::new();
+    let mut lines = text.lines();
+    while let Some(line) = lines.next() {
+        if !line.starts_with("define ") || !line.contains(&format!("@{prefix}")) {
+            continue;
+        }
+        let mut function = header(line)?;
+        for line in lines.by_ref().take_while(|line| *line != "}") {
+            let label = label(line);
+            if let Some(label) = label {
+                function.blocks.push(Block {
+                    label,
+                    instructions: Vec::new(),
+                });
+            } else if let Some(instruction) = instruction(line)? {
+                let block = function.blocks.last_mut();
+                let block = block.ok_or_else(|| Unsupported::new("no label before", line))?;
+                block.instructions.push(instruction);
+            }
+        }
+        functions.push(function);
+    }
+    Ok(functions)
+}
+
+fn label(line: &str) -> Option<String> {
+    let mut words = Words::new(line);
+    let name = words.word().ok()?;
+    (!line.starts_with(' ') && words.take(":")).then(|| name.trim_matches('"').to_owned())
+}
+
+fn header(line: &str) -> Result<Function, Unsupported> {
+    let mut words = Words::new(line);
+    let name = loop {
+        if let Some(name) = words.word()?.strip_prefix('@') {
+            break name.to_owned();
+        }
+    };
+    words.expect("(")?;
+    let mut parameters = Vec::new();
+    while !words.take(")") {
+        let (ty, operand) = words.typed()?;
+        let Operand::Local(name) = operand else {
+            return Err(words.error("parameter without a name"));
+        };
+        parameters.push((ty, name));
+        words.take(",");
+    }
+    Ok(Function {
+        name,
+        parameters,
+        blocks: Vec::new(),
+    })
+}
+
+/// Marks that have no effect on values.
+const MARKS: [&str; 3] = [
+    "@llvm.experimental.noalias.scope.decl",
+    "@llvm.lifetime.start.p0",
+    "@llvm.lifetime.end.p0",
+];
+
+fn instruction(line: &str) -> Result<Option<Instruction>, Unsupported> {
+    let mut words = Words::new(line);
+    let Some(first) = words.peek() else {
+        return Ok(None);
+    };
+    let mut result = None;
+    if let Some(name) = first.strip_prefix('%') {
+        result = Some(name.to_owned());
+        words.word()?;
+        words.expect("=")?;
+    }
+    let name = words.word()?;
+    if matches!(name, "tail" | "call" | "notail") && MARKS.iter().any(|mark| line.contains(mark)) {
+        return Ok(None);
+    }
+    Ok(Some(Instruction {
+        op: operation(name, &mut words)?,
+        result,
+        line: line.to_owned(),
+    }))
+}
+
+fn operation(name: &str, words: &mut Words) -> Result<Op, Unsupported> {
+    let op = match name {
+        "fadd" | "fsub" | "fmul" | "fdiv" => {
+            let (a, b) = pair(words, Some(Type::Float))?.1;
+            Op::FloatBinary(name.to_owned(), a, b)
+        }
+        "fneg" => Op::Negate(words.typed()?.1),
+        "fcmp" => {
+            let predicate = words.word()?.to_owned();
+            let (a, b) = pair(words, Some(Type::Float))?.1;
+            Op::FloatCompare(predicate, a, b)
+        }
+        "add" | "sub" | "mul" | "and" | "or" | "xor" | "shl" | "lshr" | "ashr" => {
+            let flags = words.flags(&["nuw", "nsw", "disjoint", "exact"]);
+            let (ty, (a, b)) = pair(words, None)?;
+            Op::IntBinary(name.to_owned(), flags, ty, a, b)
+        }
+        "icmp" => {
+            let predicate = words.word()?.to_owned();
+            let (ty, (a, b)) = pair(words, None)?;
+            Op::IntCompare(predicate, ty, a, b)
+        }
+        "select" => {
+            let (condition_ty, condition) = words.typed()?;
+            if condition_ty != Type::Int(1) {
+                return Err(words.error("condition of another type"));
+            }
+            words.expect(",")?;
+            let (ty, a) = words.typed()?;
+            words.expect(",")?;
+            let (other, b) = words.typed()?;
+            if other != ty {
+                return Err(words.error("types that differ"));
+            }
+            Op::Select(condition, ty, a, b)
+        }
+        "zext" | "sext" | "trunc" | "sitofp" | "uitofp" | "fptoui" | "fptosi" | "bitcast" => {
+            let flags = words.flags(&["nneg", "nuw", "nsw"]);
+            let (from, value) = words.typed()?;
+            words.expect("to")?;
+            Op::Cast(name.to_owned(), flags, from, value, words.ty()?)
+        }
+        "load" => {
+            let ty = words.ty()?;
+            words.expect(",")?;
+            Op::Load(ty, words.typed()?.1)
+        }
+        "store" => {
+            let (ty, value) = words.typed()?;
+            words.expect(",")?;
+            Op::Store(ty, value, words.typed()?.1)
+        }
+        "getelementptr" => {
+            words.flags(&["inbounds", "nuw", "nusw"]);
+            if words.ty()? != Type::Int(8) {
+                return Err(words.error("an address not in bytes"));
+            }
+            words.expect(",")?;
+            let base = words.typed()?.1;
+            words.expect(",")?;
+            match words.typed()?.1 {
+                Operand::Int(bytes) => Op::Offset(base, bytes),
+                _ => return Err(words.error("an address that depends on data")),
+            }
+        }
+        "phi" => phi(words)?,
+        "freeze" => {
+            let (ty, value) = words.typed()?;
+            Op::Freeze(ty, value)
+        }
+        "br" => branch(words)?,
+        "ret" if words.take("void") => Op::Return(None),
+        "ret" => Op::Return(Some(words.typed()?)),
+        "unreachable" => Op::Unreachable,
+        "tail" | "notail" => {
+            words.expect("call")?;
+            call(words)?
+        }
+        "call" => call(words)?,
+        _ => return Err(words.error(format!("instruction `{name}`"))),
+    };
+    words.end()?;
+    Ok(op)
+}
+
+/// `ty a, b`
+fn pair(
+    words: &mut Words,
+    expected: Option<Type>,
+) -> Result<(Type, (Operand, Operand)), Unsupported> {
+    let (ty, a) = words.typed()?;
+    if expected.is_some_and(|expected| expected != ty) || ty == Type::Ptr {
+        return Err(words.error("operands of this type"));
+    }
+    words.expect(",")?;
+    Ok((ty, (a, words.operand(ty)?)))
+}
+
+fn call(words: &mut Words) -> Result<Op, Unsupported> {
+    words.attributes()?;
+    if !words.take("void") {
+        words.ty()?;
+    }
+    let name = words.word()?;
+    let name = name
+        .strip_prefix('@')
+        .ok_or_else(|| words.error("an indirect call"))?;
+    words.expect("(")?;
+    let mut arguments = Vec::new();
+    while !words.take(")") {
+        arguments.push(words.typed()?);
+        words.take(",");
+    }
+    Ok(Op::Call(name.to_owned(), arguments))
+}
+
+fn phi(words: &mut Words) -> Result<Op, Unsupported> {
+    let ty = words.ty()?;
+    let mut incoming = Vec::new();
+    while words.take("[") {
+        let value = words.operand(ty)?;
+        words.expect(",")?;
+        incoming.push((value, label_name(words)?));
+        words.expect("]")?;
+        words.take(",");
+    }
+    Ok(Op::Phi(ty, incoming))
+}
+
+fn branch(words: &mut Words) -> Result<Op, Unsupported> {
+    if words.take("label") {
+        return Ok(Op::Jump(label_name(words)?));
+    }
+    let (ty, condition) = words.typed()?;
+    if ty != Type::Int(1) {
+        return Err(words.error("condition of another type"));
+    }
+    let mut targets = Vec::new();
+    while words.take(",") {
+        words.expect("label")?;
+        targets.push(label_name(words)?);
+    }
+    match <[String; 2]>::try_from(targets) {
+        Ok([yes, no]) => Ok(Op::Branch(condition, yes, no)),
+        Err(_) => Err(words.error("a branch without two targets")),
+    }
+}
+
+fn label_name(words: &mut Words) -> Result<String, Unsupported> {
+    let word = words.word()?;
+    match word.strip_prefix('%') {
+        Some(name) => Ok(name.trim_matches('"').to_owned()),
+        None => Err(words.error("label")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn body(instruction: &str) -> Result<Vec<Function>, Unsupported> {
+        let text = format!("define void @prove_x(float noundef %a) {{\nstart:\n{instruction}\n}}");
+        parse_functions(&text, "prove_")
+    }
+
+    #[test]
+    fn what_is_not_known_stops_the_proof() {
+        for line in [
+            "  %1 = fadd fast float %a, %a",
+            "  %1 = fadd double %a, %a",
+            "  %1 = fadd <2 x float> %a, %a",
+            "  %1 = frem float %a, %a",
+            "  %1 = getelementptr inbounds i8, ptr %a, i32 %b",
+            "  %1 = load atomic i32, ptr %a seq_cst, align 4",
+            "  %1 = load volatile i32, ptr %a, align 4",
+            "  switch i32 %a, label %b [",
+            "  %1 = tail call float %f(float %a)",
+            "  %1 = atomicrmw add ptr %a, i32 1 monotonic",
+            "  %1 = alloca [80 x i8], align 8",
+            "  %1 = icmp samesign ult i32 %a, 4",
+        ] {
+            assert!(body(line).is_err(), "{line}");
+        }
+    }
+
+    #[test]
+    fn a_call_keeps_its_arguments() {
+        let functions = body("  %1 = tail call noundef i32 @llvm.smax.i32(i32 %a, i32 0)").unwrap();
+        assert_eq!(
+            functions[0].blocks[0].instructions[0].op,
+            Op::Call(
+                "llvm.smax.i32".to_owned(),
+                vec![
+                    (Type::Int(32), Operand::Local("a".to_owned())),
+                    (Type::Int(32), Operand::Int(0)),
+                ]
+            )
+        );
+    }
+}

@@ -1,0 +1,238 @@
+//! Where the compiler put the private fields of the core's types.
+//!
+//! On the host, by turning each byte of a value over and reading in its `Debug` output which field
+//! that was; then the bytes of the same constants in the target's code are compared field by field.
+
+#![allow(unsafe_code, reason = "looks into values byte by byte")]
+
+use std::fmt::Debug;
+use std::mem::MaybeUninit;
+
+use anyhow::{Context, Result, bail, ensure};
+use tempco::{Interval, Table, Terms, Thermal, ThermalSettings, ThermalState};
+
+use crate::smt::{Field, FieldType, Object};
+
+/// The objects that the shims' pointers point to.
+pub(crate) fn objects(ir: &str) -> Result<Vec<Object>> {
+    let thermal = Thermal::new(ThermalSettings::DEFAULT)?;
+    let object = |name: &str, fields: Vec<Field>, readable| Object {
+        name: name.to_owned(),
+        fields,
+        readable,
+    };
+    let single = |name: &str, ty| {
+        let field = Field {
+            name: "value".to_owned(),
+            offset: 0,
+            ty,
+        };
+        object(name, vec![field], false)
+    };
+    let state = checked(&ThermalState::new(&thermal), ir, "PROVE_STATE")?;
+    let interval = checked(&Interval::new(&thermal, 0.25), ir, "PROVE_INTERVAL")?;
+    let thermal = checked(&thermal, ir, "PROVE_THERMAL")?;
+    let terms = (0..5).map(|number| Field {
+        name: ["a0", "a1", "a2", "r0", "r1"][number].to_owned(),
+        offset: 4 * number,
+        ty: FieldType::Float,
+    });
+    Ok(vec![
+        object("state", state, true),
+        object("interval", interval, true),
+        object("thermal", thermal, true),
+        object("table", table(ir)?, true),
+        object("terms", terms.collect(), true),
+        single("effective_c", FieldType::Float),
+        single("rate_c_per_min", FieldType::Float),
+        single("z", FieldType::Float),
+        single("cell", FieldType::Int(32)),
+        single("status", FieldType::Int(16)),
+    ])
+}
+
+/// The fields of a type that holds nothing but numbers and truth values.
+fn fields<T: Copy + Debug>() -> Result<Vec<Field>> {
+    let size = size_of::<T>();
+    let show = |byte: Option<usize>| -> Vec<(String, String)> {
+        let mut value = MaybeUninit::<T>::zeroed();
+        if let Some(byte) = byte {
+            // SAFETY: `byte` is less than the size of `T`.
+            unsafe { *value.as_mut_ptr().cast::<u8>().add(byte) = 1 };
+        }
+        // SAFETY: the types this is called for consist of f32, integers and bool; all of them may
+        // hold bytes of 0 and 1.
+        leaves(&format!("{:#?}", unsafe { value.assume_init() }))
+    };
+    let plain = show(None);
+    let mut found: Vec<Field> = Vec::new();
+    for byte in 0..size {
+        let turned = show(Some(byte));
+        let different = plain.iter().zip(&turned).find(|(a, b)| a != b);
+        let Some(((name, value), _)) = different else {
+            continue;
+        };
+        match found.iter_mut().find(|field| field.name == *name) {
+            None => found.push(Field {
+                name: name.clone(),
+                offset: byte,
+                ty: match value.as_str() {
+                    "false" => FieldType::Bool,
+                    "0" => FieldType::Int(8),
+                    _ => FieldType::Float,
+                },
+            }),
+            Some(field) => match &mut field.ty {
+                FieldType::Int(bits) if field.offset + *bits as usize / 8 == byte => *bits += 8,
+                FieldType::Float if byte < field.offset + 4 => {}
+                _ => bail!("two fields are called {name}"),
+            },
+        }
+    }
+    ensure!(found.len() == plain.len(), "fields were not all found");
+    Ok(found)
+}
+
+/// The innermost names of a `{:#?}` output, and their values.
+fn leaves(text: &str) -> Vec<(String, String)> {
+    let mut names: Vec<String> = Vec::new();
+    let mut leaves = Vec::new();
+    for line in text.lines().map(|line| line.trim().trim_end_matches(',')) {
+        let (name, rest) = match line.split_once(": ") {
+            Some((name, rest)) => (name.to_owned(), rest),
+            None => (names.last().cloned().unwrap_or_default(), line),
+        };
+        if rest.ends_with(['{', '(', '[']) {
+            names.push(name);
+        } else if matches!(rest, "}" | ")" | "]") {
+            names.pop();
+        } else {
+            leaves.push((name, rest.to_owned()));
+        }
+    }
+    leaves
+}
+
+/// The fields, after a look whether the target holds the constant in the same places.
+fn checked<T: Copy + Debug>(value: &T, ir: &str, constant: &str) -> Result<Vec<Field>> {
+    let fields = fields::<T>()?;
+    let target = bytes_of_constant(ir, constant)?;
+    // SAFETY: the bytes of fields, which alone are read below, are initialised.
+    let host = unsafe {
+        std::slice::from_raw_parts(std::ptr::from_ref(value).cast::<u8>(), size_of::<T>())
+    };
+    for field in &fields {
+        let bytes = field.ty.in_memory().bytes().unwrap_or_default();
+        let range = field.offset..field.offset + bytes;
+        let same = target.get(range.clone()) == host.get(range);
+        ensure!(
+            same,
+            "{constant}.{} lies elsewhere on the target",
+            field.name
+        );
+    }
+    Ok(fields)
+}
+
+/// The numbers of the table, which are all different, by their bits.
+fn table(ir: &str) -> Result<Vec<Field>> {
+    let thermal = Thermal::new(ThermalSettings::DEFAULT)?;
+    let terms = Terms {
+        a: [0.0; 3],
+        r: [0.0; 2],
+    };
+    let cells = [[terms]; 3];
+    let table = Table::new(thermal, 3.0, 11.0, &cells)?.calibrated(4.25, 9.75)?;
+    let bytes = bytes_of_constant(ir, "PROVE_TABLE")?;
+    let shown = leaves(&format!("{table:#?}"));
+    ["first_edge_c", "cells_per_c", "t_min_c", "t_max_c"]
+        .into_iter()
+        .map(|name| {
+            let value = shown.iter().find(|(field, _)| field == name);
+            let value: f32 = value.context("a field of the table is gone")?.1.parse()?;
+            let pattern = value.to_le_bytes();
+            let places: Vec<usize> = (0..bytes.len() / 4)
+                .map(|word| 4 * word)
+                .filter(|&at| bytes[at..at + 4] == pattern)
+                .collect();
+            match places[..] {
+                [offset] => Ok(Field {
+                    name: name.to_owned(),
+                    offset,
+                    ty: FieldType::Float,
+                }),
+                _ => bail!("{name} is not to be found in the table's bytes"),
+            }
+        })
+        .collect()
+}
+
+/// The bytes of a constant in the code; those of a pointer or undefined ones are 0.
+fn bytes_of_constant(ir: &str, name: &str) -> Result<Vec<u8>> {
+    let start = format!("@{name} = ");
+    let line = ir.lines().find(|line| line.starts_with(&start));
+    let mut rest = line.with_context(|| format!("the code has no constant {name}"))?;
+    rest = rest.rsplit_once(" constant ").context("a constant")?.1;
+    // In a packed structure the types come first.
+    if let Some((_, values)) = rest.split_once("}> <{ ") {
+        rest = values;
+    }
+    let mut bytes = Vec::new();
+    loop {
+        let length = if let Some(array) = rest.strip_prefix('[') {
+            let (count, tail) = array.split_once(" x i8] ").context("an array of bytes")?;
+            rest = tail;
+            count.parse::<usize>()?
+        } else {
+            ensure!(rest.starts_with("ptr @"), "a constant of `{rest}`");
+            4
+        };
+        if let Some(text) = rest.strip_prefix("c\"") {
+            let (text, tail) = text.split_once('"').context("an open string")?;
+            let before = bytes.len();
+            let mut chars = text.bytes();
+            while let Some(byte) = chars.next() {
+                bytes.push(if byte == b'\\' {
+                    let digits = [chars.next().unwrap_or(0), chars.next().unwrap_or(0)];
+                    u8::from_str_radix(std::str::from_utf8(&digits)?, 16)?
+                } else {
+                    byte
+                });
+            }
+            ensure!(bytes.len() - before == length, "length of a constant");
+            rest = tail;
+        } else {
+            bytes.resize(bytes.len() + length, 0);
+            rest = &rest[rest.find(", ").unwrap_or(rest.len())..];
+        }
+        match rest.strip_prefix(", ") {
+            Some(more) if more.starts_with(['[', 'p']) => rest = more,
+            _ => return Ok(bytes),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fields_are_found_by_name() {
+        let fields = fields::<Interval>().unwrap();
+        let find = |name: &str| fields.iter().find(|field| field.name == name).unwrap();
+        assert_eq!(find("ticks").ty, FieldType::Int(32));
+        assert_eq!(find("alpha").ty, FieldType::Float);
+        assert_eq!(find("near").ty, FieldType::Int(32));
+        assert_eq!(find("status").ty, FieldType::Int(16));
+    }
+
+    #[test]
+    fn constants_are_read_as_bytes() {
+        let ir = "@A = dso_local constant <{ ptr, [3 x i8], [1 x i8] }> <{ ptr @x, \
+                  [3 x i8] c\"a\\FF\\00\", [1 x i8] undef }>, align 4";
+        assert_eq!(
+            bytes_of_constant(ir, "A").unwrap(),
+            [0, 0, 0, 0, b'a', 0xFF, 0, 0]
+        );
+    }
+}

@@ -1,0 +1,102 @@
+//! Proofs on the compiled core, with tools that are installed where that is allowed.
+
+use std::path::PathBuf;
+use std::process::{Command, Stdio};
+
+use anyhow::{Result, ensure};
+use tempco_qemu::{TARGET, Workspace, ensure_target};
+
+use crate::run::{cargo, run as step};
+
+#[derive(clap::Args)]
+pub(crate) struct Args {
+    /// Also check every claim against seeded bugs (several minutes)
+    #[arg(long)]
+    mutants: bool,
+    /// Also pass all 2^32 temperatures through the table, against f64
+    #[arg(long)]
+    exhaustive: bool,
+    /// Only this function: place, bias, interval or update
+    #[arg(long)]
+    only: Option<String>,
+    /// Time limit of a query \[s\]
+    #[arg(long, default_value_t = 120.0)]
+    limit: f64,
+    /// Coefficient set to examine; the firmware's example table without one
+    #[arg(long)]
+    set: Option<PathBuf>,
+}
+
+pub(crate) fn run(args: &Args) -> Result<()> {
+    let workspace = Workspace::find()?;
+    ensure_target(&workspace)?;
+    install("gappa", &["gappa"]);
+    install("coqc", &["coq", "libcoq-gappa"]);
+    let ir = intermediate_code(&workspace)?;
+    let mut prove = cargo(&workspace, &["run", "--quiet", "--release", "--locked"]);
+    prove
+        .args(["--package", "tempco-prove", "--", "--ir"])
+        .arg(ir);
+    prove
+        .arg("--folder")
+        .arg(workspace.root().join("target/prove"));
+    prove.args(["--limit", &args.limit.to_string()]);
+    if let Some(set) = &args.set {
+        prove.arg("--set").arg(std::path::absolute(set)?);
+    }
+    if let Some(only) = &args.only {
+        prove.args(["--only", only]);
+    }
+    for (wanted, name) in [
+        (args.mutants, "--mutants"),
+        (args.exhaustive, "--exhaustive"),
+    ] {
+        if wanted {
+            prove.arg(name);
+        }
+    }
+    step(&workspace, &mut prove)
+}
+
+/// The shims' LLVM IR for the firmware's target, as the compiler hands it to the backend.
+fn intermediate_code(workspace: &Workspace) -> Result<PathBuf> {
+    let folder = workspace.root().join("target/prove");
+    std::fs::create_dir_all(&folder)?;
+    let file = folder.join("shims.ll");
+    let mut build = cargo(workspace, &["rustc", "--quiet", "--release", "--locked"]);
+    build.args(["--package", "tempco-prove-shims", "--target", TARGET]);
+    // Of its own, so that the file cannot be gone while cargo takes it for fresh.
+    build.arg("--target-dir").arg(folder.join("build"));
+    // Fat LTO would leave the inlining to the linker, after the IR was written.
+    build.args(["--config", "profile.release.lto=false", "--"]);
+    build.arg(format!("--emit=llvm-ir={}", file.display()));
+    build.args([
+        "-C",
+        "panic=abort",
+        "-C",
+        "codegen-units=1",
+        "-C",
+        "debuginfo=0",
+    ]);
+    step(workspace, &mut build)?;
+    ensure!(file.is_file(), "the compiler wrote no LLVM IR");
+    Ok(file)
+}
+
+/// Installs Debian packages if it may; a failure is told, and what needs them is skipped later.
+fn install(program: &str, packages: &[&str]) {
+    let quiet = |command: &mut Command| {
+        let command = command.stdout(Stdio::null()).stderr(Stdio::null());
+        command.status().is_ok_and(|status| status.success())
+    };
+    if quiet(Command::new(program).arg("--version")) {
+        return;
+    }
+    eprintln!("installing: apt-get install {}", packages.join(" "));
+    let mut command = Command::new("apt-get");
+    command.env("DEBIAN_FRONTEND", "noninteractive");
+    command.args(["-q", "-o", "DPkg::Lock::Timeout=300", "install", "-y"]);
+    if !quiet(command.arg("--no-install-recommends").args(packages)) {
+        eprintln!("not installed: {}", packages.join(", "));
+    }
+}
