@@ -7,6 +7,7 @@
 //! - [`golden`]: samples and a hash of what becomes of them, to compare host and targets
 //! - [`fixed`]: what the images of the integer core share with the host
 //! - [`kernels`]: the functions whose instructions the `bench` image counts
+//! - `measure`: counts instructions in QEMU; only on a target
 //! - `target`: semihosting, panics and faults; only on a target
 //! - `guard`: in place of `target` with the feature `link-guard`, a panic that does not link
 //!
@@ -23,6 +24,8 @@ pub mod golden;
 #[cfg(all(target_os = "none", feature = "link-guard"))]
 pub mod guard;
 pub mod kernels;
+#[cfg(target_os = "none")]
+pub mod measure;
 pub mod table;
 #[cfg(all(target_os = "none", not(feature = "link-guard")))]
 pub mod target;

@@ -1,8 +1,7 @@
 //! Image `bench`: executed instructions of the compensator, counted in QEMU.
 //!
-//! Needs `-icount shift=0`, where an instruction takes 1 ns of the time that SysTick counts. Every
-//! input is measured from the same state in 160 calls, and the cost of measuring is
-//! measured with an empty function and taken off. A line is `bench NAME MIN MAX`, in instructions
+//! Every input is measured by `tempco_firmware::measure` in many calls from the same state, and the
+//! cost of measuring is measured with an empty function and taken off. A line is `bench NAME MIN MAX`, in instructions
 //! per call beyond those of the empty function, over all inputs; or `size NAME BYTES`.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
@@ -15,16 +14,11 @@ fn main() -> std::process::ExitCode {
 mod image {
     use core::hint::black_box;
 
-    use cortex_m::peripheral::{SYST, syst::SystClkSource};
     use tempco::{Interval, Output, Table, ThermalPoint};
-    use tempco_firmware::board::BOARD;
     use tempco_firmware::kernels::{self, Inputs, Kernel, Units};
+    use tempco_firmware::measure::{Span, Stopwatch};
     use tempco_firmware::table::{AXES, TABLES};
     use tempco_firmware::target::{banner, exit};
-
-    /// Calls per measurement. With 40 ns per count, 160 calls are 4 counts per instruction: the
-    /// counter's phase, which is worth one count, cannot change the rounded result.
-    const CALLS: u32 = 160;
 
     /// Double precision takes thousands of instructions, so the baselines see fewer inputs.
     const BASELINES: usize = 4;
@@ -60,13 +54,9 @@ mod image {
         let Some(core) = cortex_m::Peripherals::take() else {
             exit(false)
         };
-        let mut clock = core.SYST;
-        clock.set_clock_source(SystClkSource::Core);
-        clock.set_reload(0x00ff_ffff);
-        clock.clear_current();
-        clock.enable_counter();
+        let stopwatch = Stopwatch::start(core.SYST);
 
-        let mut spans = [(u32::MAX, 0); KERNELS.len()];
+        let mut spans = [Span::NONE; KERNELS.len()];
         let mut inputs = 0;
         for sample in samples() {
             inputs += 1;
@@ -74,10 +64,10 @@ mod image {
                 0 => KERNELS.len(),
                 _ => KERNELS.len() - BASELINES,
             };
-            measure(&sample, &KERNELS[..kernels], &mut spans);
+            measure(&stopwatch, &sample, &KERNELS[..kernels], &mut spans);
         }
-        for ((name, _), (min, max)) in KERNELS.iter().zip(spans) {
-            defmt::println!("bench {=str} {=u32} {=u32}", *name, min, max);
+        for ((name, _), span) in KERNELS.iter().zip(spans) {
+            defmt::println!("bench {=str} {=u32} {=u32}", *name, span.min, span.max);
         }
         defmt::println!("inputs {=u32}", inputs);
         defmt::println!(
@@ -97,7 +87,7 @@ mod image {
             "size cells {=usize}",
             TABLES.iter().map(|table| size_of_val(table.cells())).sum()
         );
-        exit(spans.iter().all(|(min, max)| *min > 0 && min <= max))
+        exit(spans.iter().all(Span::is_some))
     }
 
     /// What is measured: every temperature with a steady gyro, then every special value as
@@ -119,9 +109,10 @@ mod image {
     /// a steady temperature (where the input may be a spike), and with the input as the second of
     /// its kind.
     fn measure(
+        stopwatch: &Stopwatch,
         &(temp_c, raw, dt_s): &(f32, f32, f32),
         kernels: &[(&str, Kernel<'static, AXES>)],
-        spans: &mut [(u32, u32)],
+        spans: &mut [Span],
     ) {
         let table = &TABLES[0];
         let second = Interval::new(table.thermal(), 1.0);
@@ -143,48 +134,24 @@ mod image {
         again.single.step(&inputs.interval, temp_c, inputs.raw);
         again.two_rate.update(&inputs.interval, temp_c);
 
-        for state in [&fresh, &steady, &again] {
-            let overhead = counts(kernels::empty, state, &inputs);
-            for ((_, kernel), (min, max)) in kernels.iter().zip(spans.iter_mut()) {
-                let instructions = per_call(counts(*kernel, state, &inputs) - overhead);
-                *min = instructions.min(*min);
-                *max = instructions.max(*max);
-            }
-        }
-    }
-
-    /// Instructions per call from SysTick counts.
-    fn per_call(counts: u32) -> u32 {
-        const NANOSECONDS: u64 = 1_000_000_000;
-        let divisor = u64::from(BOARD.systick_hz) * u64::from(CALLS);
-        ((u64::from(counts) * NANOSECONDS + divisor / 2) / divisor) as u32
-    }
-
-    /// SysTick counts of all calls of `kernel`, each from the same state.
-    #[inline(never)]
-    fn counts(
-        kernel: Kernel<'static, AXES>,
-        state: &Units<'static, AXES>,
-        inputs: &Inputs<AXES>,
-    ) -> u32 {
-        let kernel = black_box(kernel);
-        let mut output = Output {
+        let output = Output {
             compensated: [0.0; AXES],
             bias: [0.0; AXES],
             point: ThermalPoint::default(),
             status: tempco::Status::OK,
         };
-        let mut units = state.clone();
-        let start = SYST::get_current();
-        for _ in 0..CALLS {
-            units.clone_from(black_box(state));
-            kernel(
-                black_box(&mut units),
-                black_box(inputs),
-                black_box(&mut output),
-            );
+        for units in [fresh, steady, again] {
+            let state = (units, output);
+            let counts = |kernel: Kernel<'static, AXES>| {
+                let kernel = black_box(kernel);
+                stopwatch.counts(&state, |(units, output)| {
+                    kernel(units, black_box(&inputs), output);
+                })
+            };
+            let of_empty = counts(kernels::empty);
+            for ((_, kernel), span) in kernels.iter().zip(spans.iter_mut()) {
+                span.add(counts(*kernel), of_empty);
+            }
         }
-        // SysTick counts down.
-        start.wrapping_sub(SYST::get_current()) & 0x00ff_ffff
     }
 }

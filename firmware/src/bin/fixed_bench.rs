@@ -13,20 +13,15 @@ fn main() -> std::process::ExitCode {
 mod image {
     use core::hint::black_box;
 
-    use cortex_m::peripheral::{SYST, syst::SystClkSource};
-    use tempco_firmware::board::BOARD;
     use tempco_firmware::fixed::{FixedSample, converted};
     use tempco_firmware::fixed_kernels::{self as kernels, Inputs, Kernel, Units};
+    use tempco_firmware::measure::{Span, Stopwatch};
     use tempco_firmware::table::{AXES, TABLES};
     use tempco_firmware::target::{banner, exit};
     use tempco_fixed::{FixedTable, FixedTerms, INVALID, from_f32};
 
     const CELLS: usize = TABLES[0].cells().len();
     static TABLE: FixedTable<AXES, CELLS> = converted(&TABLES[0]);
-
-    /// As in image `bench`, 4 counts per instruction: the counter's phase, which is worth one
-    /// count, cannot change the rounded result.
-    const CALLS: u32 = 4 * (1_000_000_000 / BOARD.systick_hz);
 
     const SPECIAL: [i32; 8] = [
         INVALID,
@@ -56,20 +51,22 @@ mod image {
         let Some(core) = cortex_m::Peripherals::take() else {
             exit(false)
         };
-        let mut clock = core.SYST;
-        clock.set_clock_source(SystClkSource::Core);
-        clock.set_reload(0x00ff_ffff);
-        clock.clear_current();
-        clock.enable_counter();
+        let stopwatch = Stopwatch::start(core.SYST);
 
-        let mut spans = [(u32::MAX, 0); KERNELS.len()];
+        let mut spans = [Span::NONE; KERNELS.len()];
         let mut inputs = 0_u32;
         for sample in samples() {
             inputs += 1;
-            measure(&sample, &mut spans);
+            measure(&stopwatch, &sample, &mut spans);
         }
-        for ((name, _), (min, max)) in KERNELS.iter().zip(spans) {
-            defmt::println!("bench {=str} {=u32} {=u32}", *name, min, max);
+        for ((name, _), span) in KERNELS.iter().zip(spans) {
+            // The empty function has one as well, its return.
+            defmt::println!(
+                "bench {=str} {=u32} {=u32}",
+                *name,
+                span.min + 1,
+                span.max + 1
+            );
         }
         defmt::println!("inputs {=u32}", inputs);
         defmt::println!(
@@ -89,7 +86,7 @@ mod image {
             "size cells {=usize}",
             CELLS * size_of::<[FixedTerms; AXES]>()
         );
-        exit(spans.iter().all(|(min, max)| *min > 0 && min <= max))
+        exit(spans.iter().all(Span::is_some))
     }
 
     /// Every temperature with a steady gyro, then every special value as temperature, as gyro
@@ -116,7 +113,7 @@ mod image {
 
     /// Measures every kernel at one input, from three states: just switched on, after a minute at
     /// a steady temperature, and with the input as the second of its kind.
-    fn measure(sample: &FixedSample<AXES>, spans: &mut [(u32, u32)]) {
+    fn measure(stopwatch: &Stopwatch, sample: &FixedSample<AXES>, spans: &mut [Span]) {
         let inputs = Inputs::new(&TABLE, &TABLES[0], sample);
         let second = Inputs::new(
             &TABLE,
@@ -138,37 +135,14 @@ mod image {
         again.advance(&inputs);
 
         for state in [&fresh, &steady, &again] {
-            let overhead = counts(kernels::empty, state, &inputs);
-            for ((_, kernel), (min, max)) in KERNELS.iter().zip(spans.iter_mut()) {
-                let instructions = per_call(counts(*kernel, state, &inputs) - overhead);
-                *min = instructions.min(*min);
-                *max = instructions.max(*max);
+            let counts = |kernel: Kernel<'static, AXES, CELLS>| {
+                let kernel = black_box(kernel);
+                stopwatch.counts(state, |units| kernel(units, black_box(&inputs)))
+            };
+            let of_empty = counts(kernels::empty);
+            for ((_, kernel), span) in KERNELS.iter().zip(spans.iter_mut()) {
+                span.add(counts(*kernel), of_empty);
             }
         }
-    }
-
-    /// Instructions per call from SysTick counts; the empty function has one, its return.
-    fn per_call(counts: u32) -> u32 {
-        const NANOSECONDS: u64 = 1_000_000_000;
-        let divisor = u64::from(BOARD.systick_hz) * u64::from(CALLS);
-        ((u64::from(counts) * NANOSECONDS + divisor / 2) / divisor) as u32 + 1
-    }
-
-    /// SysTick counts of all calls of `kernel`, each from the same state.
-    #[inline(never)]
-    fn counts(
-        kernel: Kernel<'static, AXES, CELLS>,
-        state: &Units<'static, AXES, CELLS>,
-        inputs: &Inputs<AXES>,
-    ) -> u32 {
-        let kernel = black_box(kernel);
-        let mut units = state.clone();
-        let start = SYST::get_current();
-        for _ in 0..CALLS {
-            units.clone_from(black_box(state));
-            kernel(black_box(&mut units), black_box(inputs));
-        }
-        // SysTick counts down.
-        start.wrapping_sub(SYST::get_current()) & 0x00ff_ffff
     }
 }
