@@ -48,6 +48,19 @@
 ;@ claim gap: after a gap the estimator begins anew and gives no rate
 (=> gap (and (fp.eq |interval'.alpha| one) (fp.eq |interval'.rate_gain_per_min| zero)))
 
+;@ claim factors abstract: without a gap, the share of the filter and the gain of the rate are those of the documented series
+(let ((x (fp.mul RNE |thermal.per_tau_hz| real_s)))
+(let ((half (fp.mul RNE x ((_ to_fp 8 24) RNE 0.5)))
+      (third (fp.mul RNE x (fp.div RNE one ((_ to_fp 8 24) RNE 3.0))))
+      (quarter (fp.mul RNE x ((_ to_fp 8 24) RNE 0.25)))
+      (fifth (fp.mul RNE x ((_ to_fp 8 24) RNE 0.2))))
+(let ((share (fp.sub RNE one (fp.mul RNE half (fp.sub RNE one
+               (fp.mul RNE third (fp.sub RNE one (fp.mul RNE quarter (fp.sub RNE one fifth)))))))))
+  (=> (not gap) (and
+    (= |interval'.alpha| (fp.mul RNE x share))
+    (= |interval'.rate_gain_per_min|
+       (fp.mul RNE (fp.mul RNE |thermal.per_tau_hz| ((_ to_fp 8 24) RNE 60.0)) share)))))))
+
 ;@ claim slew: from 0 to a finite figure, and not below 2e-5 degC if time has passed
 (and (within ((_ to_fp 8 24) |interval'.slew|) zero ((_ to_fp 8 24) RNE 500001.0))
      (=> forward (fp.geq ((_ to_fp 8 24) |interval'.slew|) ((_ to_fp 8 24) RNE 0.00002))))
