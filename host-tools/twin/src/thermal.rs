@@ -1,111 +1,297 @@
-//! Heat flow: air to case, case to the cavity of each gyro.
+//! Heat flow: air to case, case to block, block to the cavity of each gyro, and to the sensor.
 
-/// Time constants of a unit's heat flow, each a first-order lag.
+use serde::Deserialize;
+
+use crate::chamber::Course;
+use crate::check::{Invalid, Range};
+use crate::expm::exp_of_flow;
+
+/// Heat flow of a unit: first-order lags in a row, with self-heating.
 ///
 /// ```text
-/// d(case)/dt   = (air  - case)   / case_time_constant_s
-/// d(cavity)/dt = (case - cavity) / cavity_time_constant_s    for each axis
+/// d(case)/dt   = (air    + case_rise   - case)   / case_time_constant
+/// d(block)/dt  = (case   + block_rise  - block)  / block_time_constant
+/// d(cavity)/dt = (block  + cavity_rise - cavity) / cavity_time_constant    for each axis
+/// d(sensor)/dt = (part it sits on      - sensor) / sensor_time_constant
 /// ```
 ///
-/// The temperature sensor sits on the case. On a long ramp the case lags the air, and the cavity
-/// the case, by rate x time constant.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// On a long ramp each part lags the one before it by rate x time constant. The rises are there while
+/// the unit is powered. What flows back from a part to the one before it is left out: parts get
+/// lighter from the case inwards.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct ThermalNetwork {
-    /// Air to case, s, positive.
+    /// Air to case, s, 0.001 to 1e7.
     pub case_time_constant_s: f64,
-    /// Case to the cavity of the X, Y and Z gyro, s, positive.
+    /// Case to block, s; 0 when the block is one with the case.
+    #[serde(default)]
+    pub block_time_constant_s: f64,
+    /// Block to the cavity of the X, Y and Z gyro, s, 0.001 to 1e7.
     pub cavity_time_constant_s: [f64; 3],
+    /// The part it sits on to the temperature sensor, s; 0 for none.
+    #[serde(default)]
+    pub sensor_time_constant_s: f64,
+    /// The part that the temperature sensor sits on.
+    #[serde(default)]
+    pub sensor_on: Part,
+    /// Self-heating of the case above the air, degC.
+    #[serde(default)]
+    pub case_rise_c: f64,
+    /// Self-heating of the block above the case, degC; needs a block of its own.
+    #[serde(default)]
+    pub block_rise_c: f64,
+    /// Self-heating of each cavity above the block, degC.
+    #[serde(default)]
+    pub cavity_rise_c: [f64; 3],
 }
+
+/// A part of the unit.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Part {
+    /// The case.
+    #[default]
+    Case,
+    /// The block that carries the gyros.
+    Block,
+}
+
+/// Parts with a temperature: case, block, three cavities, sensor.
+const NODES: usize = 6;
+const CASE: usize = 0;
+const BLOCK: usize = 1;
+const CAVITY: usize = 2;
+const SENSOR: usize = 5;
 
 /// Temperatures of the parts, degC.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct ThermalState {
-    pub(crate) case_c: f64,
-    pub(crate) cavity_c: [f64; 3],
-}
+pub(crate) struct ThermalState([f64; NODES]);
 
 impl ThermalState {
-    /// All parts at one temperature.
-    pub(crate) fn uniform(temperature_c: f64) -> Self {
-        Self {
-            case_c: temperature_c,
-            cavity_c: [temperature_c; 3],
-        }
+    pub(crate) fn case_c(&self) -> f64 {
+        self.0[CASE]
+    }
+
+    pub(crate) fn cavity_c(&self) -> [f64; 3] {
+        core::array::from_fn(|axis| self.0[CAVITY + axis])
+    }
+
+    pub(crate) fn sensor_c(&self) -> f64 {
+        self.0[SENSOR]
     }
 }
 
+/// A part with what it follows.
+#[derive(Debug, Clone, Copy)]
+struct Lag {
+    parent: Option<usize>,
+    time_constant_s: f64,
+    rise_c: f64,
+}
+
 impl ThermalNetwork {
+    pub(crate) fn check(&self) -> Result<(), Invalid> {
+        let time = Range::TIME_CONSTANT;
+        time.check("case_time_constant_s", self.case_time_constant_s)?;
+        for (name, value) in [
+            ("block_time_constant_s", self.block_time_constant_s),
+            ("sensor_time_constant_s", self.sensor_time_constant_s),
+        ] {
+            if value != 0.0 {
+                time.check(name, value).map_err(|error| Invalid {
+                    expected: format!("0 or {}", error.expected),
+                    ..error
+                })?;
+            }
+        }
+        for value in self.cavity_time_constant_s {
+            time.check("cavity_time_constant_s", value)?;
+        }
+        let rise = Range::new(-50.0, 50.0);
+        rise.check("case_rise_c", self.case_rise_c)?;
+        rise.check("block_rise_c", self.block_rise_c)?;
+        for value in self.cavity_rise_c {
+            rise.check("cavity_rise_c", value)?;
+        }
+        if self.block_time_constant_s == 0.0 && self.block_rise_c != 0.0 {
+            return Err(Invalid::new(
+                "block_rise_c",
+                self.block_rise_c,
+                "0 where block_time_constant_s is 0",
+            ));
+        }
+        Ok(())
+    }
+
+    /// The parts, each after the one it follows.
+    fn lags(&self) -> [Lag; NODES] {
+        let lag = |parent, time_constant_s, rise_c| Lag {
+            parent: Some(parent),
+            time_constant_s,
+            rise_c,
+        };
+        let cavity = |axis: usize| {
+            let time_constant_s = self.cavity_time_constant_s[axis];
+            lag(BLOCK, time_constant_s, self.cavity_rise_c[axis])
+        };
+        let sensor_parent = match self.sensor_on {
+            Part::Case => CASE,
+            Part::Block => BLOCK,
+        };
+        [
+            Lag {
+                parent: None,
+                time_constant_s: self.case_time_constant_s,
+                rise_c: self.case_rise_c,
+            },
+            lag(CASE, self.block_time_constant_s, self.block_rise_c),
+            cavity(0),
+            cavity(1),
+            cavity(2),
+            lag(sensor_parent, self.sensor_time_constant_s, 0.0),
+        ]
+    }
+
+    /// All parts at the temperature of the air or, when powered for long, at their rises above it.
+    pub(crate) fn at_rest(&self, air_c: f64, powered: bool) -> ThermalState {
+        let mut state = [air_c; NODES];
+        if powered {
+            for (state_c, rise_c) in state.iter_mut().zip(self.rises_c()) {
+                *state_c += rise_c;
+            }
+        }
+        ThermalState(state)
+    }
+
+    /// Rise of every part above the air, degC.
+    fn rises_c(&self) -> [f64; NODES] {
+        self.sums(|lag| lag.rise_c)
+    }
+
+    /// A quantity of each part and of all it follows, added up.
+    fn sums(&self, quantity: impl Fn(&Lag) -> f64) -> [f64; NODES] {
+        let mut sums = [0.0; NODES];
+        for (node, lag) in self.lags().iter().enumerate() {
+            sums[node] = lag.parent.map_or(0.0, |parent| sums[parent]) + quantity(lag);
+        }
+        sums
+    }
+
     /// Rate of each cavity's temperature, degC/min.
     pub(crate) fn cavity_rate_c_per_min(&self, state: &ThermalState) -> [f64; 3] {
         core::array::from_fn(|axis| {
-            60.0 * (state.case_c - state.cavity_c[axis]) / self.cavity_time_constant_s[axis]
+            let distance_c = state.0[BLOCK] + self.cavity_rise_c[axis] - state.0[CAVITY + axis];
+            60.0 * distance_c / self.cavity_time_constant_s[axis]
         })
     }
 }
 
-/// Moves a [`ThermalState`] over one fixed time, exactly, while the air is linear.
+/// Moves a [`ThermalState`] over one fixed time, exactly, while the air follows one [`Course`].
 ///
-/// With `e = case - air_lagged` and `f = cavity - air_lagged_twice`, the distances from the lines
-/// that case and cavity follow on an endless ramp, a step of `h` gives
-///
-/// ```text
-/// e1 = e0 exp(-h/ts)
-/// f1 = f0 exp(-h/tc) + e0 (h/tc) exp(-h/tc) expm1(x)/x,   x = h (1/tc - 1/ts)
-/// ```
-///
-/// The last factor is the convolution of the two exponentials in a form that stays accurate when
-/// the time constants `ts` and `tc` are close or equal.
+/// Once settled on a course every part follows a curve of its own: the line of the air, shifted by
+/// the time constants before it, or a sine wave, weakened and turned. The distances from these curves
+/// decay by the exponential of the matrix of heat flow.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Propagator {
-    network: ThermalNetwork,
     duration_s: f64,
-    case_decay: f64,
-    cavity_decay: [f64; 3],
-    case_to_cavity: [f64; 3],
+    /// Column by column.
+    decay: [[f64; NODES]; NODES],
+}
+
+/// What the parts follow once they have settled; worked out once per network.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Settled {
+    time_constants_s: [f64; NODES],
+    parents: [Option<usize>; NODES],
+    lags_s: [f64; NODES],
+    rises_c: [f64; NODES],
+}
+
+impl Settled {
+    pub(crate) fn new(network: &ThermalNetwork) -> Self {
+        Self {
+            time_constants_s: network.lags().map(|lag| lag.time_constant_s),
+            parents: network.lags().map(|lag| lag.parent),
+            lags_s: network.sums(|lag| lag.time_constant_s),
+            rises_c: network.rises_c(),
+        }
+    }
+
+    /// Settled temperatures at a time since the course's beginning.
+    fn at(&self, course: &Course, time_s: f64) -> [f64; NODES] {
+        match *course {
+            Course::Line {
+                start_c,
+                slope_c_per_s,
+            } => core::array::from_fn(|node| {
+                let line_c = start_c + slope_c_per_s * (time_s - self.lags_s[node]);
+                line_c + self.rises_c[node]
+            }),
+            Course::Sine {
+                mean_c,
+                amplitude_c,
+                rad_per_s,
+            } => {
+                let (sin, cos) = libm::sincos(rad_per_s * time_s);
+                // Sine and cosine part of each node, from that of the node it follows: a lag
+                // divides by 1 + i x.
+                let mut waves = [(sin * amplitude_c, cos * amplitude_c); NODES];
+                for node in 0..NODES {
+                    let (s, c) = self.parents[node].map_or(waves[node], |parent| waves[parent]);
+                    let x = rad_per_s * self.time_constants_s[node];
+                    let square = 1.0 + x * x;
+                    waves[node] = ((s - x * c) / square, (c + x * s) / square);
+                }
+                core::array::from_fn(|node| mean_c + self.rises_c[node] + waves[node].0)
+            }
+        }
+    }
 }
 
 impl Propagator {
-    /// Works out the coefficients for a step of `duration_s`.
+    /// Works out the decay over `duration_s`.
     pub(crate) fn new(network: &ThermalNetwork, duration_s: f64) -> Self {
-        let case_s = network.case_time_constant_s;
-        let cavity_decay = network
-            .cavity_time_constant_s
-            .map(|cavity_s| libm::exp(-duration_s / cavity_s));
-        let case_to_cavity = core::array::from_fn(|axis| {
-            let cavity_s = network.cavity_time_constant_s[axis];
-            let x = duration_s * (1.0 / cavity_s - 1.0 / case_s);
-            duration_s / cavity_s * cavity_decay[axis] * expm1_ratio(x)
-        });
+        let lags = network.lags();
+        // A part without a time constant is where the part is that it follows.
+        let solid = |node: usize| match lags[node].parent {
+            Some(parent) if lags[node].time_constant_s == 0.0 => parent,
+            _ => node,
+        };
+        let mut flow = [[0.0; NODES]; NODES];
+        for (node, lag) in lags.iter().enumerate() {
+            if lag.time_constant_s > 0.0 {
+                flow[node][node] = -1.0 / lag.time_constant_s;
+                if let Some(parent) = lag.parent {
+                    flow[node][solid(parent)] = 1.0 / lag.time_constant_s;
+                }
+            }
+        }
+        let exponential = exp_of_flow(&flow, duration_s);
+        let row = |node: usize| exponential[solid(solid(node))];
         Self {
-            network: *network,
             duration_s,
-            case_decay: libm::exp(-duration_s / case_s),
-            cavity_decay,
-            case_to_cavity,
+            decay: core::array::from_fn(|column| core::array::from_fn(|node| row(node)[column])),
         }
     }
 
-    /// Moves the state; the air is at `air_c` when the step begins and changes by
-    /// `slope_c_per_s` throughout it.
-    pub(crate) fn advance(&self, state: &mut ThermalState, air_c: f64, slope_c_per_s: f64) {
-        let rise_c = slope_c_per_s * self.duration_s;
-        let case_line_c = air_c - slope_c_per_s * self.network.case_time_constant_s;
-        let case_distance_c = state.case_c - case_line_c;
-        for axis in 0..3 {
-            let cavity_line_c =
-                case_line_c - slope_c_per_s * self.network.cavity_time_constant_s[axis];
-            state.cavity_c[axis] = cavity_line_c
-                + rise_c
-                + (state.cavity_c[axis] - cavity_line_c) * self.cavity_decay[axis]
-                + case_distance_c * self.case_to_cavity[axis];
+    /// Moves the state along a course, from `time_s` after the course's beginning.
+    pub(crate) fn advance(
+        &self,
+        state: &mut ThermalState,
+        settled: &Settled,
+        course: &Course,
+        time_s: f64,
+    ) {
+        let before = settled.at(course, time_s);
+        let mut after = settled.at(course, time_s + self.duration_s);
+        for (column, decay) in self.decay.iter().enumerate() {
+            let distance_c = state.0[column] - before[column];
+            for (after_c, decay) in after.iter_mut().zip(decay) {
+                *after_c += distance_c * decay;
+            }
         }
-        state.case_c = case_line_c + rise_c + case_distance_c * self.case_decay;
+        state.0 = after;
     }
-}
-
-/// `(exp(x) - 1) / x`, 1 at 0.
-fn expm1_ratio(x: f64) -> f64 {
-    if x == 0.0 { 1.0 } else { libm::expm1(x) / x }
 }
 
 #[cfg(test)]
@@ -114,77 +300,202 @@ mod tests {
 
     const NETWORK: ThermalNetwork = ThermalNetwork {
         case_time_constant_s: 360.0,
-        // The second is equal to the case's, where the plain closed form divides 0 by 0.
+        block_time_constant_s: 200.0,
+        // The second is equal to the case's, where closed forms divide 0 by 0.
         cavity_time_constant_s: [300.0, 360.0, 240.0],
+        sensor_time_constant_s: 15.0,
+        sensor_on: Part::Block,
+        case_rise_c: 4.0,
+        block_rise_c: 2.0,
+        cavity_rise_c: [1.0, 0.5, 0.0],
     };
 
-    fn advance_by(state: &mut ThermalState, step_s: f64, steps: u32, air_c: f64, slope: f64) {
-        let propagator = Propagator::new(&NETWORK, step_s);
+    const STILL: Course = Course::Line {
+        start_c: 20.0,
+        slope_c_per_s: 0.0,
+    };
+
+    /// Moves a state from the beginning of a course.
+    fn advance(
+        network: &ThermalNetwork,
+        state: &mut ThermalState,
+        course: &Course,
+        step_s: f64,
+        steps: u32,
+    ) {
+        let propagator = Propagator::new(network, step_s);
+        let settled = Settled::new(network);
         for step in 0..steps {
-            propagator.advance(state, air_c + slope * step_s * f64::from(step), slope);
+            propagator.advance(state, &settled, course, step_s * f64::from(step));
         }
+    }
+
+    fn assert_close(state: &ThermalState, expected: &ThermalState, tolerance_c: f64) {
+        for (node, (found, expected)) in state.0.iter().zip(expected.0).enumerate() {
+            let error_c = (found - expected).abs();
+            assert!(error_c < tolerance_c, "part {node}: {found} {expected}");
+        }
+    }
+
+    #[test]
+    fn a_step_of_the_air_has_the_analytic_response() {
+        let network = ThermalNetwork {
+            case_rise_c: 0.0,
+            block_rise_c: 0.0,
+            cavity_rise_c: [0.0; 3],
+            ..NETWORK
+        };
+        let mut state = network.at_rest(20.0, true);
+        let course = Course::Line {
+            start_c: 70.0,
+            slope_c_per_s: 0.0,
+        };
+        let (propagator, settled) = (Propagator::new(&network, 7.0), Settled::new(&network));
+        for step in 1..=300 {
+            let time_s = 7.0 * f64::from(step);
+            propagator.advance(&mut state, &settled, &course, time_s - 7.0);
+            // Partial fractions of the lags in a row, for different time constants.
+            let share = |taus: &[f64]| {
+                let parts = taus.iter().map(|a| {
+                    let others = taus.iter().filter(|b| *b != a);
+                    others.map(|b| a / (a - b)).product::<f64>() * (-time_s / a).exp()
+                });
+                1.0 - parts.sum::<f64>()
+            };
+            for (node, taus) in [
+                (CASE, &[360.0][..]),
+                (BLOCK, &[360.0, 200.0]),
+                (CAVITY, &[360.0, 200.0, 300.0]),
+                (CAVITY + 2, &[360.0, 200.0, 240.0]),
+                (SENSOR, &[360.0, 200.0, 15.0]),
+            ] {
+                let expected = 20.0 + 50.0 * share(taus);
+                let error_c = (state.0[node] - expected).abs();
+                assert!(error_c < 1e-10, "{time_s} s, part {node}: {error_c}");
+            }
+        }
+    }
+
+    #[test]
+    fn power_warms_every_part_to_its_rise() {
+        let mut state = NETWORK.at_rest(20.0, false);
+        assert_eq!(state.case_c(), 20.0);
+        advance(&NETWORK, &mut state, &STILL, 0.5, 720);
+        let expected_c = 20.0 + 4.0 * (1.0 - (-1.0_f64).exp());
+        assert!((state.case_c() - expected_c).abs() < 1e-10);
+        advance(&NETWORK, &mut state, &STILL, 10.0, 10_000);
+        assert_close(&state, &NETWORK.at_rest(20.0, true), 1e-10);
+        assert_eq!(NETWORK.at_rest(20.0, true).cavity_c(), [27.0, 26.5, 26.0]);
     }
 
     #[test]
     fn on_a_long_ramp_each_part_lags_by_rate_times_time_constant() {
         let slope = 1.0 / 60.0;
-        let mut state = ThermalState::uniform(0.0);
-        advance_by(&mut state, 0.5, 40_000, 0.0, slope);
+        let course = Course::Line {
+            start_c: 0.0,
+            slope_c_per_s: slope,
+        };
+        let mut state = NETWORK.at_rest(0.0, true);
+        advance(&NETWORK, &mut state, &course, 0.5, 40_000);
         let air_c = slope * 20_000.0;
-        assert!((air_c - state.case_c - slope * 360.0).abs() < 1e-9);
-        for (axis, tau_s) in NETWORK.cavity_time_constant_s.into_iter().enumerate() {
-            let lag_c = state.case_c - state.cavity_c[axis];
-            assert!((lag_c - slope * tau_s).abs() < 1e-9, "axis {axis}: {lag_c}");
-            let rate = NETWORK.cavity_rate_c_per_min(&state)[axis];
-            assert!((rate - 1.0).abs() < 1e-9, "axis {axis}: {rate} degC/min");
+        for (node, lag_s, rise_c) in [
+            (CASE, 360.0, 4.0),
+            (BLOCK, 560.0, 6.0),
+            (CAVITY, 860.0, 7.0),
+            (CAVITY + 1, 920.0, 6.5),
+            (SENSOR, 575.0, 6.0),
+        ] {
+            let expected_c = air_c - slope * lag_s + rise_c;
+            assert!((state.0[node] - expected_c).abs() < 1e-8, "part {node}");
+        }
+        for rate in NETWORK.cavity_rate_c_per_min(&state) {
+            assert!((rate - 1.0).abs() < 1e-8, "{rate} degC/min");
         }
     }
 
     #[test]
     fn one_long_step_equals_many_short_ones() {
-        let start = ThermalState {
-            case_c: 30.0,
-            cavity_c: [10.0, 50.0, 35.0],
-        };
-        let (mut coarse, mut fine) = (start, start);
-        advance_by(&mut coarse, 1000.0, 1, 20.0, -0.02);
-        advance_by(&mut fine, 0.25, 4000, 20.0, -0.02);
-        assert!((coarse.case_c - fine.case_c).abs() < 1e-9);
-        for axis in 0..3 {
-            assert!((coarse.cavity_c[axis] - fine.cavity_c[axis]).abs() < 1e-9);
+        for course in [
+            Course::Line {
+                start_c: 20.0,
+                slope_c_per_s: -0.02,
+            },
+            Course::Sine {
+                mean_c: 30.0,
+                amplitude_c: 20.0,
+                rad_per_s: 0.01,
+            },
+        ] {
+            let start = ThermalState([30.0, 32.0, 10.0, 50.0, 35.0, 20.0]);
+            let (mut coarse, mut fine) = (start, start);
+            advance(&NETWORK, &mut coarse, &course, 1000.0, 1);
+            advance(&NETWORK, &mut fine, &course, 0.25, 4000);
+            assert_close(&coarse, &fine, 1e-9);
         }
     }
 
     #[test]
-    fn agrees_with_a_numerical_integration() {
-        let mut exact = ThermalState::uniform(20.0);
-        advance_by(&mut exact, 600.0, 1, 50.0, 0.01);
+    fn agrees_with_a_numerical_integration_of_the_equations() {
+        let (amplitude_c, rad_per_s) = (15.0, 0.02);
+        let air_c = |t: f64| 50.0 + amplitude_c * (rad_per_s * t).sin();
+        let course = Course::Sine {
+            mean_c: 50.0,
+            amplitude_c,
+            rad_per_s,
+        };
+        let mut exact = NETWORK.at_rest(20.0, false);
+        advance(&NETWORK, &mut exact, &course, 600.0, 1);
+        let slopes = |s: &[f64; NODES], t: f64| {
+            let cavity = |axis: usize| {
+                (s[BLOCK] + NETWORK.cavity_rise_c[axis] - s[CAVITY + axis])
+                    / NETWORK.cavity_time_constant_s[axis]
+            };
+            [
+                (air_c(t) + 4.0 - s[CASE]) / 360.0,
+                (s[CASE] + 2.0 - s[BLOCK]) / 200.0,
+                cavity(0),
+                cavity(1),
+                cavity(2),
+                (s[BLOCK] - s[SENSOR]) / 15.0,
+            ]
+        };
         // Midpoint rule, error of the order of step^2.
         let step_s = 0.01;
-        let mut state = ThermalState::uniform(20.0);
+        let mut state = [20.0; NODES];
         for step in 0..60_000 {
-            let air_c = 50.0 + 0.01 * step_s * (f64::from(step) + 0.5);
-            let case_middle_c = state.case_c + 0.5 * step_s * (air_c - state.case_c) / 360.0;
-            for (cavity_c, tau_s) in state
-                .cavity_c
-                .iter_mut()
-                .zip(NETWORK.cavity_time_constant_s)
-            {
-                let middle_c = *cavity_c + 0.5 * step_s * (case_middle_c - *cavity_c) / tau_s;
-                *cavity_c += step_s * (case_middle_c - middle_c) / tau_s;
-            }
-            state.case_c += step_s * (air_c - case_middle_c) / 360.0;
+            let t = step_s * f64::from(step);
+            let first = slopes(&state, t);
+            let middle = core::array::from_fn(|i| state[i] + 0.5 * step_s * first[i]);
+            let second = slopes(&middle, t + 0.5 * step_s);
+            state = core::array::from_fn(|i| state[i] + step_s * second[i]);
         }
-        assert!((exact.case_c - state.case_c).abs() < 1e-6);
-        for axis in 0..3 {
-            assert!((exact.cavity_c[axis] - state.cavity_c[axis]).abs() < 1e-5);
-        }
+        assert_close(&exact, &ThermalState(state), 1e-5);
+    }
+
+    #[test]
+    fn parts_without_a_time_constant_are_where_they_sit() {
+        let network = ThermalNetwork {
+            block_time_constant_s: 0.0,
+            block_rise_c: 0.0,
+            sensor_time_constant_s: 0.0,
+            ..NETWORK
+        };
+        let course = Course::Line {
+            start_c: 20.0,
+            slope_c_per_s: 0.03,
+        };
+        let mut state = network.at_rest(20.0, true);
+        advance(&network, &mut state, &course, 3.0, 100);
+        assert_eq!(state.0[BLOCK], state.case_c());
+        assert_eq!(state.sensor_c(), state.case_c());
+        assert!(state.case_c() > 25.0);
     }
 
     #[test]
     fn stays_at_rest_in_still_air() {
-        let mut state = ThermalState::uniform(20.0);
-        advance_by(&mut state, 0.5, 1000, 20.0, 0.0);
-        assert_eq!(state, ThermalState::uniform(20.0));
+        let mut state = NETWORK.at_rest(20.0, true);
+        let start = state;
+        advance(&NETWORK, &mut state, &STILL, 0.5, 1000);
+        assert_eq!(state, start);
     }
 }
