@@ -94,7 +94,7 @@ fn draw<DB: DrawingBackend>(
         .legend(|(x, y)| Circle::new((x + 8, y), 3, COLOURS[0].filled()));
     chart
         .configure_series_labels()
-        .position(SeriesLabelPosition::LowerLeft)
+        .position(SeriesLabelPosition::UpperRight)
         .background_style(WHITE.mix(0.8))
         .draw()
 }
