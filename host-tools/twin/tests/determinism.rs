@@ -12,15 +12,15 @@ const HASHES: &[(&str, &str)] = &[
     ),
     (
         "smooth",
-        "94d467f5aa100b102f2f404ab89a94ac265d86ce38fd47b1f37f6191ba52c16a",
+        "9657133c811652d5bea65bded88bdc01d08fc54e9bd351b43a0b56e0673344d2",
     ),
     (
         "wavy",
-        "0bf406e104f5cf810a87f929dea352d2fa31e21ed690bc6e84bf95f644118ff0",
+        "b03c7a130f5edc96a25ac858ca348ef478e96cc5c779ab19b662d78425e3f76e",
     ),
     (
         "hysteretic",
-        "bd6f12b4179a029b838fc3957cf9ca50fbb63eee569bf0221432b4e23fa0add6",
+        "e4f0bc6671bb9f70e7f3f9edd3063576f0f2135853780046b68427dbea0e25b3",
     ),
     (
         "ln100",

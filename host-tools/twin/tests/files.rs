@@ -93,7 +93,7 @@ fn units_that_cannot_be_are_refused_with_line_and_column() {
             "`axis.x.modes.overlap_c` is 30, expected 0 to",
         ),
         (
-            "scale_factor_arcsec = 0.9",
+            "scale_factor_arcsec = 0.5",
             "scale_factor_arcsec = 0.0",
             "`output.pulses.scale_factor_arcsec` is 0, expected 0.000001 to 1000000",
         ),

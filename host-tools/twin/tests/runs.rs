@@ -1,8 +1,8 @@
 //! Whole runs, seen from outside.
 
 use tempco_twin::{
-    DEFAULT_RATE_HZ, GyroNoise, PROFILES, Profile, Sample, Simulation, Step, TemperatureReading,
-    Unit, write_log, write_log_and_truth,
+    DEFAULT_RATE_HZ, Drift, GyroNoise, PROFILES, Profile, Sample, Simulation, Step,
+    TemperatureReading, Unit, write_log, write_log_and_truth,
 };
 
 fn paper() -> Unit {
@@ -169,4 +169,34 @@ fn the_thermal_part_stands_out_of_the_noise() {
         let (sigma, _) = sigma_100_s(&samples, axis);
         assert!(sigma > 4.0 * 0.0051, "axis {axis}: {sigma}");
     }
+}
+
+#[test]
+fn a_slow_loop_of_the_hysteretic_unit_is_open_by_its_plays() {
+    let mut unit = Unit::named("hysteretic").unwrap();
+    for axis in &mut unit.axes {
+        axis.rate_sensitivity = 0.0;
+        axis.gradient_sensitivity = 0.0;
+        axis.modes = None;
+        axis.drift = Drift::default();
+    }
+    // Biases of X where its cavity passes 40 degC, upwards and downwards.
+    let (mut up, mut down) = (Vec::new(), Vec::new());
+    let mut last: Option<Sample> = None;
+    for sample in run(&unit, &named("cycles"), 1) {
+        if let Some(last) = last.replace(sample) {
+            let (before, now) = (last.truth.cavity_c[0], sample.truth.cavity_c[0]);
+            if before < 40.0 && now >= 40.0 {
+                up.push(sample.truth.bias[0]);
+            } else if before >= 40.0 && now < 40.0 {
+                down.push(sample.truth.bias[0]);
+            }
+        }
+    }
+    assert_eq!((up.len(), down.len()), (6, 6));
+    let open = 2.0 * (0.0008 * 2.0 + 0.0004 * 6.0 + 0.0002 * 15.0);
+    // The cavity lags too far to reach all stops on the faster cycles; on the last one it does.
+    let found = up[5] - down[5];
+    assert!((found - open).abs() < 0.0001, "{found} {open}");
+    assert!(up[1] - down[1] < 0.9 * open);
 }
