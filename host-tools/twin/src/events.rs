@@ -53,10 +53,12 @@ pub enum FaultKind {
 /// An axis of a unit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
-#[allow(missing_docs)]
 pub enum AxisName {
+    /// The first.
     X,
+    /// The second.
     Y,
+    /// The third.
     Z,
 }
 

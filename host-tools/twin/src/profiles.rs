@@ -70,7 +70,7 @@ impl Profile {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::chamber::{Course, Step};
+    use crate::step::{Course, Step};
 
     fn named(name: &str) -> Profile {
         Profile::named(name).unwrap()

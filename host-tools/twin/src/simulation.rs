@@ -10,8 +10,9 @@ use crate::error::SimulationError;
 use crate::events::{Fault, FaultKind, Flags};
 use crate::gyro::GyroChannel;
 use crate::normal::{NormalSource, Stream};
+use crate::propagator::{Propagator, Settled};
 use crate::sensor::TemperatureSensor;
-use crate::thermal::{Propagator, Settled, ThermalState};
+use crate::thermal::ThermalState;
 use crate::tone::ToneState;
 use crate::unit::Unit;
 
@@ -320,9 +321,9 @@ fn flags<'a>(faults: impl Iterator<Item = &'a Fault>) -> Flags {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::chamber::Step;
     use crate::gyro::GyroNoise;
     use crate::sensor::TemperatureReading;
+    use crate::step::Step;
 
     fn quiet_unit() -> Unit {
         let mut unit = Unit::named("paper").unwrap();
