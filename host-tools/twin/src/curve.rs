@@ -49,6 +49,18 @@ pub struct LegendreSeries {
 /// Most segments or orders of a curve.
 const MOST_TERMS: usize = 32;
 
+/// Bonnet's recurrence, `P[n+1] = (2 n + 1) / (n + 1) x P[n] - n / (n + 1) P[n-1]`: the two fractions.
+const BONNET: [[f64; 2]; MOST_TERMS] = {
+    let mut fractions = [[0.0; 2]; MOST_TERMS];
+    let mut n = 0;
+    while n < MOST_TERMS {
+        let order = n as f64;
+        fractions[n] = [(2.0 * order + 1.0) / (order + 1.0), order / (order + 1.0)];
+        n += 1;
+    }
+    fractions
+};
+
 impl StaticCurve {
     pub(crate) fn check(&self) -> Result<(), Invalid> {
         match self {
@@ -146,15 +158,11 @@ impl LegendreSeries {
         let [low_c, high_c] = self.range_c;
         let t = cavity_c.clamp(low_c, high_c);
         let x = (2.0 * t - low_c - high_c) / (high_c - low_c);
-        // Bonnet: (n + 1) P[n+1] = (2 n + 1) x P[n] - n P[n-1].
         let (mut before, mut now) = (0.0, 1.0);
         let mut sum = 0.0;
-        let mut order = 0.0;
-        for coefficient in &self.coefficients {
+        for (coefficient, [ahead, back]) in self.coefficients.iter().zip(BONNET) {
             sum += coefficient * now;
-            let next = ((2.0 * order + 1.0) * x * now - order * before) / (order + 1.0);
-            (before, now) = (now, next);
-            order += 1.0;
+            (before, now) = (now, ahead * x * now - back * before);
         }
         sum
     }
