@@ -2,6 +2,8 @@
 //! project.
 #![forbid(unsafe_code)]
 
+pub mod ln100;
+
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::OnceLock;

@@ -1,5 +1,5 @@
 //! What the documents show is run: every `$ tempco` line of a `console` block, in order, in one
-//! folder per document.
+//! folder per document, where every `toml` block that begins with `# NAME.toml` is a file.
 
 use std::fs;
 use std::path::Path;
@@ -35,9 +35,20 @@ fn commands(document: &str) -> Vec<Vec<String>> {
     commands
 }
 
+/// Writes the files that the document shows.
+fn write_files(document: &str, bench: &Bench) {
+    for block in document.split("```toml\n# ").skip(1) {
+        let (name, rest) = block.split_once('\n').unwrap();
+        let contents = rest.split("```").next().unwrap();
+        bench.write(name, contents);
+    }
+}
+
 fn run_all(path: &Path) -> usize {
     let bench = Bench::new();
-    let commands = commands(&fs::read_to_string(path).unwrap());
+    let document = fs::read_to_string(path).unwrap();
+    write_files(&document, &bench);
+    let commands = commands(&document);
     for command in &commands {
         assert_eq!(command[0], "tempco", "{command:?}");
         let output = Command::new(tempco_path())

@@ -203,3 +203,53 @@ fn a_set_and_a_log_that_do_not_belong_together_are_refused() {
     assert_eq!(ran.code, 2);
     assert!(ran.err.contains("do not belong together"), "{}", ran.err);
 }
+
+#[test]
+fn units_and_programmes_that_cannot_be_simulated_are_refused() {
+    let bench = Bench::new();
+    let unit = bench.ok("simulate --show paper");
+    bench.write(
+        "unit.toml",
+        &unit.replace("step_c = 0.0625", "step_k = 0.0625"),
+    );
+    let programme = bench.ok("simulate --show short");
+    bench.write("fast.toml", &programme.replacen("= 1.0 }", "= 1000 }", 1));
+    let before = bench.files();
+    for (args, expected) in [
+        (
+            "--unit unit.toml --profile short --out a.csv",
+            "unit.toml:15:1: unknown field `step_k`, expected one of `sigma_c`, `step_c`",
+        ),
+        (
+            "--unit paper --profile fast.toml --out a.csv",
+            "fast.toml:6:46: `step[2].ramp.rate_c_per_min` is 1000, expected 0.0001 to 100",
+        ),
+        (
+            "--unit none.toml --profile short --out a.csv",
+            "none.toml: No such file",
+        ),
+        (
+            "--unit papr --profile short --out a.csv",
+            "unknown unit `papr`, expected one of: paper, smooth",
+        ),
+        (
+            "--unit paper --profile shrt --out a.csv",
+            "unknown profile `shrt`, expected one of: calibration",
+        ),
+        (
+            "--unit paper --profile short --rate -1 --out a.csv",
+            "sample rate -1 Hz is outside 0.01..10000 Hz",
+        ),
+        (
+            "--unit paper --profile short --out a.csv --truth a.csv",
+            "--out and --truth: expected two files",
+        ),
+        ("--unit paper --profile short", "--out <LOG.csv>"),
+        ("--show papr", "neither a named unit nor a named programme"),
+    ] {
+        let ran = bench.run(&format!("simulate {args}"));
+        assert_eq!(ran.code, 2, "{args}");
+        assert!(ran.err.contains(expected), "{args}: {}", ran.err);
+        assert_eq!(bench.files(), before, "{args}");
+    }
+}

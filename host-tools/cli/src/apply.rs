@@ -50,7 +50,7 @@ pub(crate) fn run(args: &Args) -> Result<Verdict> {
 }
 
 /// Writes a file in one move, so that no half-written one is ever seen.
-pub(crate) fn write_csv(path: &Path, contents: &[u8]) -> Result<()> {
+fn write_csv(path: &Path, contents: &[u8]) -> Result<()> {
     let name = path
         .file_name()
         .and_then(|name| name.to_str())

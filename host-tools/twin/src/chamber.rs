@@ -1,8 +1,12 @@
-//! The chamber programme: air temperature over time.
+//! Chamber programmes: steps in a row, with what else happens to the unit.
 
 use core::ops::RangeInclusive;
 
-use crate::error::ProfileError;
+use serde::Deserialize;
+
+use crate::check::{Invalid, Range, element};
+use crate::events::{Fault, Motion};
+use crate::step::{Course, Leg, Legs, Step};
 
 /// Air temperatures a programme may ask for, degC.
 ///
@@ -12,56 +16,45 @@ pub const AIR_RANGE_C: RangeInclusive<f64> = -100.0..=200.0;
 /// Longest programme, s (10 000 h).
 pub const MAX_DURATION_S: f64 = 3.6e7;
 
-/// One step of a chamber programme.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Step {
-    /// The air is at one temperature for a time.
-    ///
-    /// Where the step before ended at another temperature, the air changes at once, as when a
-    /// unit is moved into a second chamber.
-    Soak {
-        /// Air temperature, degC, inside [`AIR_RANGE_C`].
-        air_c: f64,
-        /// Duration, minutes, positive.
-        duration_min: f64,
-    },
-    /// The air moves at a constant rate, up or down, until it reaches a temperature.
-    Ramp {
-        /// Air temperature at the end, degC, inside [`AIR_RANGE_C`].
-        to_c: f64,
-        /// Magnitude of the rate, degC/min, positive; the sign follows from `to_c`.
-        rate_c_per_min: f64,
-    },
+/// Most legs a programme may have, cycles written out.
+const MAX_LEGS: usize = 100_000;
+
+/// What a programme file says: the chamber's steps, and what else happens to the unit.
+#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Programme {
+    /// One line for lists of programmes.
+    #[serde(default)]
+    pub description: String,
+    /// Temperature of air and unit before time 0, degC.
+    pub start_c: f64,
+    /// Whether power comes on at time 0: self-heating begins then. Otherwise the unit has been
+    /// powered for long.
+    #[serde(default)]
+    pub cold_start: bool,
+    /// Constant rate about the axes, deg/h: the share of Earth rate that they see, say.
+    #[serde(default)]
+    pub input_rate_dph: [f64; 3],
+    /// The steps, in order.
+    pub step: Vec<Step>,
+    /// Faults of sensors and data.
+    #[serde(default)]
+    pub fault: Vec<Fault>,
+    /// Disturbances by motion.
+    #[serde(default)]
+    pub motion: Vec<Motion>,
 }
 
-/// A stretch of time on which the air temperature is linear.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Leg {
-    pub(crate) start_s: f64,
-    /// Infinite for the last leg, which holds the final temperature.
-    pub(crate) end_s: f64,
-    pub(crate) start_c: f64,
-    pub(crate) slope_c_per_s: f64,
-}
-
-impl Leg {
-    /// Air temperature, degC, at a time inside the leg.
-    pub(crate) fn air_c(&self, time_s: f64) -> f64 {
-        self.start_c + self.slope_c_per_s * (time_s - self.start_s)
-    }
-}
-
-/// A chamber programme: soaks and ramps, one after the other.
+/// A programme that has been found sound.
 ///
-/// The unit has stood at [`start_c`](Self::start_c) long enough to be at one temperature
-/// throughout when the programme begins at time 0.
+/// The unit has stood at [`start_c`](Programme::start_c) long enough to have settled when the
+/// programme begins at time 0.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Profile {
     name: String,
-    steps: Vec<Step>,
-    /// One leg for each step that takes time, then one that never ends.
+    programme: Programme,
+    /// One leg for each stretch that takes time, then one that never ends.
     legs: Vec<Leg>,
-    start_c: f64,
     duration_s: f64,
 }
 
@@ -70,40 +63,59 @@ impl Profile {
     ///
     /// # Errors
     ///
-    /// [`ProfileError`] names the first step with a temperature, a duration or a rate outside
-    /// the range given at [`Step`], or says that the programme is empty or too long.
-    pub fn new(name: &str, start_c: f64, steps: &[Step]) -> Result<Self, ProfileError> {
-        if steps.is_empty() {
-            return Err(ProfileError::Empty);
+    /// As [`Profile::from_programme`].
+    pub fn new(name: &str, start_c: f64, steps: &[Step]) -> Result<Self, Invalid> {
+        let programme = Programme {
+            start_c,
+            step: steps.to_vec(),
+            ..Programme::default()
+        };
+        Self::from_programme(name, programme)
+    }
+
+    /// Makes a profile of a whole programme.
+    ///
+    /// # Errors
+    ///
+    /// [`Invalid`] names the first number outside the range given at its field, or says that the
+    /// programme is empty or too long.
+    pub fn from_programme(name: &str, programme: Programme) -> Result<Self, Invalid> {
+        Range::TEMPERATURE.check("start_c", programme.start_c)?;
+        for rate_dph in programme.input_rate_dph {
+            Range::SIGNED.check("input_rate_dph", rate_dph)?;
         }
-        check_air(0, start_c)?;
-        let mut legs = Vec::with_capacity(steps.len() + 1);
-        let mut time_s = 0.0;
-        let mut air_c = start_c;
-        for (index, step) in steps.iter().enumerate() {
-            let (leg, end_c) = step.leg(index + 1, time_s, air_c)?;
-            // A ramp to where the air already is takes no time and has no slope.
-            if leg.end_s > leg.start_s {
-                legs.push(leg);
+        if programme.step.is_empty() {
+            return Err(Invalid::new("step", "an empty list", "one step or more"));
+        }
+        let mut course = Legs::starting_at(programme.start_c);
+        for (index, step) in programme.step.iter().enumerate() {
+            let place = element("step", index);
+            step.append(&mut course)
+                .map_err(|error| error.inside(&place))?;
+            if course.time_s > MAX_DURATION_S || course.legs.len() > MAX_LEGS {
+                let found = format!("the end of {:.0} h", course.time_s / 3600.0);
+                return Err(Invalid::new(place, found, "10000 h in all at most"));
             }
-            time_s = leg.end_s;
-            air_c = end_c;
         }
-        if time_s > MAX_DURATION_S {
-            return Err(ProfileError::TooLong);
+        for (index, fault) in programme.fault.iter().enumerate() {
+            let place = element("fault", index);
+            fault.check().map_err(|error| error.inside(place))?;
         }
-        legs.push(Leg {
-            start_s: time_s,
+        for (index, motion) in programme.motion.iter().enumerate() {
+            let place = element("motion", index);
+            motion.check().map_err(|error| error.inside(place))?;
+        }
+        let duration_s = course.time_s;
+        course.legs.push(Leg {
+            start_s: duration_s,
             end_s: f64::INFINITY,
-            start_c: air_c,
-            slope_c_per_s: 0.0,
+            course: Course::constant(course.air_c),
         });
         Ok(Self {
             name: name.to_owned(),
-            steps: steps.to_vec(),
-            legs,
-            start_c,
-            duration_s: time_s,
+            programme,
+            legs: course.legs,
+            duration_s,
         })
     }
 
@@ -112,14 +124,19 @@ impl Profile {
         &self.name
     }
 
-    /// The programme, in order.
-    pub fn steps(&self) -> &[Step] {
-        &self.steps
+    /// What the profile was made from.
+    pub fn programme(&self) -> &Programme {
+        &self.programme
     }
 
-    /// Temperature of air, case and cavities before time 0, degC.
+    /// The steps, in order.
+    pub fn steps(&self) -> &[Step] {
+        &self.programme.step
+    }
+
+    /// Temperature of air and unit before time 0, degC.
     pub fn start_c(&self) -> f64 {
-        self.start_c
+        self.programme.start_c
     }
 
     /// Duration of the whole programme, s.
@@ -131,7 +148,7 @@ impl Profile {
     /// temperature after the last step.
     pub fn air_c(&self, time_s: f64) -> f64 {
         if time_s < 0.0 {
-            return self.start_c;
+            return self.start_c();
         }
         // After the end the last leg holds one temperature, so that its first moment will do.
         let time_s = time_s.min(self.duration_s);
@@ -141,66 +158,6 @@ impl Profile {
 
     pub(crate) fn legs(&self) -> &[Leg] {
         &self.legs
-    }
-}
-
-impl Step {
-    /// The leg this step makes when it begins at `start_s` with the air at `from_c`, and the air
-    /// temperature at its end. `number` is the step's own, for errors.
-    fn leg(&self, number: usize, start_s: f64, from_c: f64) -> Result<(Leg, f64), ProfileError> {
-        match *self {
-            Self::Soak {
-                air_c,
-                duration_min,
-            } => {
-                check_air(number, air_c)?;
-                if !is_positive(duration_min) {
-                    return Err(ProfileError::SoakDuration {
-                        step: number,
-                        duration_min,
-                    });
-                }
-                let leg = Leg {
-                    start_s,
-                    end_s: start_s + 60.0 * duration_min,
-                    start_c: air_c,
-                    slope_c_per_s: 0.0,
-                };
-                Ok((leg, air_c))
-            }
-            Self::Ramp {
-                to_c,
-                rate_c_per_min,
-            } => {
-                check_air(number, to_c)?;
-                if !is_positive(rate_c_per_min) {
-                    return Err(ProfileError::RampRate {
-                        step: number,
-                        rate_c_per_min,
-                    });
-                }
-                let rise_c = to_c - from_c;
-                let leg = Leg {
-                    start_s,
-                    end_s: start_s + 60.0 * rise_c.abs() / rate_c_per_min,
-                    start_c: from_c,
-                    slope_c_per_s: rate_c_per_min.copysign(rise_c) / 60.0,
-                };
-                Ok((leg, to_c))
-            }
-        }
-    }
-}
-
-fn is_positive(value: f64) -> bool {
-    value.is_finite() && value > 0.0
-}
-
-fn check_air(step: usize, air_c: f64) -> Result<(), ProfileError> {
-    if AIR_RANGE_C.contains(&air_c) {
-        Ok(())
-    } else {
-        Err(ProfileError::AirTemperature { step, air_c })
     }
 }
 
@@ -238,6 +195,62 @@ mod tests {
     }
 
     #[test]
+    fn cycles_are_written_out() {
+        let cycle = Step::Cycle {
+            first_c: -10.0,
+            second_c: 30.0,
+            rate_c_per_min: 2.0,
+            soak_min: 5.0,
+            count: 2,
+        };
+        let profile = Profile::new("test", 20.0, &[cycle]).unwrap();
+        assert_eq!(profile.duration_s(), 60.0 * (15.0 + 3.0 * 20.0 + 4.0 * 5.0));
+        for (minute, air_c) in [(15.0, -10.0), (30.0, 10.0), (42.0, 30.0), (65.0, -10.0)] {
+            assert!(
+                (profile.air_c(60.0 * minute) - air_c).abs() < 1e-9,
+                "{minute}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_sine_swings_about_its_mean_and_ends_there() {
+        let sine = Step::Sine {
+            mean_c: 20.0,
+            amplitude_c: 15.0,
+            period_min: 40.0,
+            count: 2,
+        };
+        let profile = Profile::new("test", 20.0, &[sine]).unwrap();
+        assert_eq!(profile.duration_s(), 4800.0);
+        for (minute, air_c) in [(0.0, 20.0), (10.0, 35.0), (30.0, 5.0), (50.0, 35.0)] {
+            assert!(
+                (profile.air_c(60.0 * minute) - air_c).abs() < 1e-9,
+                "{minute}"
+            );
+        }
+        assert_eq!(profile.air_c(1e5), 20.0);
+    }
+
+    #[test]
+    fn an_open_door_lets_the_room_in() {
+        let door = Step::Door {
+            room_c: 22.0,
+            share: 0.5,
+            open_min: 2.0,
+            recover_min: 8.0,
+        };
+        let profile = Profile::new("test", -18.0, &[soak(-18.0, 10.0), door]).unwrap();
+        assert_eq!(profile.duration_s(), 1200.0);
+        for (minute, air_c) in [(10.0, -18.0), (11.0, -8.0), (12.0, 2.0), (16.0, -8.0)] {
+            assert!(
+                (profile.air_c(60.0 * minute) - air_c).abs() < 1e-9,
+                "{minute}"
+            );
+        }
+    }
+
+    #[test]
     fn a_soak_elsewhere_changes_the_air_at_once() {
         let profile = Profile::new("test", 20.0, &[soak(50.0, 1.0)]).unwrap();
         assert_eq!(profile.start_c(), 20.0);
@@ -253,40 +266,66 @@ mod tests {
 
     #[test]
     fn bad_programmes_are_refused_with_the_step() {
-        let refused = |start_c, steps: &[Step]| Profile::new("test", start_c, steps).unwrap_err();
-        assert_eq!(refused(20.0, &[]), ProfileError::Empty);
-        assert_eq!(
-            refused(293.15, &[soak(20.0, 1.0)]),
-            ProfileError::AirTemperature {
-                step: 0,
-                air_c: 293.15
-            }
-        );
-        assert!(matches!(
-            refused(20.0, &[soak(20.0, 1.0), ramp(f64::NAN, 1.0)]),
-            ProfileError::AirTemperature { step: 2, .. }
-        ));
-        for duration_min in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-            assert!(matches!(
-                refused(20.0, &[soak(20.0, duration_min)]),
-                ProfileError::SoakDuration { step: 1, .. }
-            ));
+        let sine = |amplitude_c, period_min, count| Step::Sine {
+            mean_c: 20.0,
+            amplitude_c,
+            period_min,
+            count,
+        };
+        for (start_c, steps, expected) in [
+            (
+                20.0,
+                &[][..],
+                "`step` is an empty list, expected one step or more",
+            ),
+            (
+                293.15,
+                &[soak(20.0, 1.0)],
+                "`start_c` is 293.15, expected -100 to 200",
+            ),
+            (
+                20.0,
+                &[soak(20.0, 1.0), ramp(f64::NAN, 1.0)],
+                "`step[2].ramp.to_c` is NaN, expected -100 to 200",
+            ),
+            (
+                20.0,
+                &[soak(20.0, 0.0)],
+                "`step[1].soak.duration_min` is 0, expected 0.0001 to 600000",
+            ),
+            (
+                20.0,
+                &[soak(20.0, 1.0), ramp(30.0, -0.5)],
+                "`step[2].ramp.rate_c_per_min` is -0.5, expected 0.0001 to 100",
+            ),
+            (
+                20.0,
+                &[ramp(30.0, 4000.0)],
+                "`step[1].ramp.rate_c_per_min` is 4000, expected 0.0001 to 100",
+            ),
+            (
+                20.0,
+                &[soak(20.0, 5e5), soak(20.0, 5e5)],
+                "`step[2]` is the end of 16667 h, expected 10000 h in all at most",
+            ),
+            (
+                20.0,
+                &[sine(190.0, 60.0, 1)],
+                "`step[1].sine.amplitude_c` is -170, expected ends within -100 to 200 degC",
+            ),
+            (
+                20.0,
+                &[sine(50.0, 1.0, 1)],
+                "`step[1].sine.period_min` is too short: up to 314 degC/min, expected 100 degC/min",
+            ),
+            (
+                20.0,
+                &[sine(5.0, 60.0, 0)],
+                "`step[1].sine.count` is 0, expected 1 to 10000",
+            ),
+        ] {
+            let error = Profile::new("test", start_c, steps).unwrap_err();
+            assert_eq!(error.to_string(), expected);
         }
-        for rate in [0.0, -0.5, f64::NAN, f64::INFINITY] {
-            assert!(matches!(
-                refused(20.0, &[soak(20.0, 1.0), ramp(30.0, rate)]),
-                ProfileError::RampRate { step: 2, .. }
-            ));
-        }
-        assert_eq!(refused(20.0, &[ramp(30.0, 1e-300)]), ProfileError::TooLong);
-    }
-
-    #[test]
-    fn errors_say_what_was_expected() {
-        let error = Profile::new("test", 20.0, &[ramp(30.0, -2.0)]).unwrap_err();
-        assert_eq!(
-            error.to_string(),
-            "step 1: ramp at -2 degC/min, expected a positive rate"
-        );
     }
 }

@@ -1,6 +1,10 @@
-//! What can be wrong with a name, a profile or a simulation.
+//! What can be wrong with a name, a file or a simulation.
+
+use std::io;
 
 use thiserror::Error;
+
+use crate::check::Invalid;
 
 /// A name for which there is no unit or no profile.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
@@ -14,45 +18,34 @@ pub struct UnknownName {
     pub known: &'static [&'static str],
 }
 
-/// A chamber programme that cannot be run. Steps are counted from 1.
-#[derive(Debug, Clone, Copy, PartialEq, Error)]
+/// A unit or programme file that cannot be used.
+#[derive(Debug, Error)]
 #[non_exhaustive]
-pub enum ProfileError {
-    /// The programme has no step.
-    #[error("the chamber programme has no steps")]
-    Empty,
-    /// A temperature is outside [`AIR_RANGE_C`](crate::AIR_RANGE_C) or not a number; step 0 is
-    /// the start.
-    #[error("step {step}: air temperature {air_c} degC is outside -100..200 degC")]
-    AirTemperature {
-        /// Number of the step, 0 for the start.
-        step: usize,
-        /// The temperature as given, degC.
-        air_c: f64,
+pub enum FileError {
+    /// It cannot be read.
+    #[error("{file}: {error}")]
+    Read {
+        /// The file.
+        file: String,
+        /// Why.
+        error: io::Error,
     },
-    /// A soak has a duration that is not positive and finite.
-    #[error("step {step}: soak of {duration_min} min, expected a positive duration")]
-    SoakDuration {
-        /// Number of the step.
-        step: usize,
-        /// The duration as given, minutes.
-        duration_min: f64,
+    /// It is not TOML, has keys that are not known, lacks some, or has numbers that cannot be.
+    #[error("{file}:{line}:{column}: {message}")]
+    Content {
+        /// The file.
+        file: String,
+        /// Line, from 1.
+        line: usize,
+        /// Column in characters, from 1.
+        column: usize,
+        /// What is wrong and what was expected.
+        message: String,
     },
-    /// A ramp has a rate that is not positive and finite.
-    #[error("step {step}: ramp at {rate_c_per_min} degC/min, expected a positive rate")]
-    RampRate {
-        /// Number of the step.
-        step: usize,
-        /// The rate as given, degC/min.
-        rate_c_per_min: f64,
-    },
-    /// The programme lasts longer than [`MAX_DURATION_S`](crate::MAX_DURATION_S).
-    #[error("the chamber programme lasts longer than 10000 h")]
-    TooLong,
 }
 
 /// A simulation that cannot be started.
-#[derive(Debug, Clone, Copy, PartialEq, Error)]
+#[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum SimulationError {
     /// The sample rate is outside [`RATE_RANGE_HZ`](crate::RATE_RANGE_HZ) or not a number.
@@ -61,4 +54,7 @@ pub enum SimulationError {
         /// The rate as given, Hz.
         rate_hz: f64,
     },
+    /// A part of the unit cannot be.
+    #[error(transparent)]
+    Unit(#[from] Invalid),
 }

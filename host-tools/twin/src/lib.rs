@@ -5,16 +5,19 @@
 //! second, with the one thing a chamber cannot give: the true bias beside every sample.
 //!
 //! ```text
-//! chamber programme -> air -> case (temperature sensor) -> cavity of each gyro -> bias
-//!                                  |                                               |
-//!                        sensor noise, code steps                 angle random walk, whole pulses
-//!                                  v                                               v
-//!                               temp_c                                    x, y, z pulses
+//! programme -> air -> case -> block -> cavity of each gyro -> thermal bias + drift
+//!                       |       |                                   |
+//!                       +-------+-> sensor           motion, tones, angle noise
+//!                                     |                             |
+//!                   noise, steps, faults                 whole pulses or rate steps
+//!                                     v                             v
+//!                                  temp_c                x, y, z; rows may be lost
 //! ```
 //!
-//! The bias is a function of the *cavity* temperature, and the cavity lags the sensor by minutes.
-//! The truth is therefore outside the family `B(T, T')` that a calibration fits to the sensor's
-//! temperature, as it is on real units.
+//! The bias is a function of the *cavity* temperature, and the cavity lags the sensor. The truth is
+//! therefore outside the family `B(T, T')` that a calibration fits to the sensor's temperature, as
+//! it is on real units. Units and programmes are TOML files, those with a name included; `docs/twin.md`
+//! has the equations and every parameter.
 //!
 //! # Example
 //!
@@ -40,25 +43,45 @@
 //!
 //! # Not simulated
 //!
-//! Earth rate, scale factor errors, bias instability, self-heating, hysteresis and faults.
+//! Errors of the scale factor and of alignment, lock-in, cross-coupling of heat between axes, and what
+//! flows back from an inner part to an outer one.
 
 mod bias;
 mod chamber;
+mod check;
 mod csv_out;
+mod curve;
 mod decimal;
+mod drift;
 mod error;
-mod noise;
+mod events;
+mod expm;
+mod file;
+mod gyro;
+mod hysteresis;
+mod normal;
 mod profiles;
+mod propagator;
+mod sensor;
 mod simulation;
+mod step;
 mod thermal;
+mod tone;
 mod unit;
 
-pub use bias::{AxisBias, BlendedQuadratics, LegendreSeries, StaticCurve};
-pub use chamber::{AIR_RANGE_C, MAX_DURATION_S, Profile, Step};
-pub use csv_out::{LOG_HEADER, TRUTH_HEADER, write_log, write_log_and_truth};
-pub use error::{ProfileError, SimulationError, UnknownName};
-pub use noise::NoiseLevels;
+pub use chamber::{AIR_RANGE_C, MAX_DURATION_S, Profile, Programme};
+pub use check::Invalid;
+pub use csv_out::{log_header, truth_header, write_log, write_log_and_truth};
+pub use curve::{BlendedQuadratics, LegendreSeries, StaticCurve};
+pub use drift::Drift;
+pub use error::{FileError, SimulationError, UnknownName};
+pub use events::{AxisName, Fault, FaultKind, Flags, Motion, MotionKind};
+pub use gyro::GyroNoise;
+pub use hysteresis::{ModeSteps, Play};
 pub use profiles::PROFILES;
+pub use sensor::TemperatureReading;
 pub use simulation::{DEFAULT_RATE_HZ, RATE_RANGE_HZ, Sample, Simulation, Truth};
-pub use thermal::ThermalNetwork;
-pub use unit::{AXIS_NAMES, UNITS, Unit};
+pub use step::Step;
+pub use thermal::{Part, ThermalNetwork};
+pub use tone::Tone;
+pub use unit::{AXIS_NAMES, Axis, Output, RateUnit, UNITS, Unit};

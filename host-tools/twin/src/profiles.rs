@@ -1,149 +1,49 @@
 //! The chamber programmes that have a name.
 
-use crate::chamber::{Profile, Step};
+use crate::chamber::Profile;
 use crate::error::UnknownName;
+use crate::file;
 
 /// Names that [`Profile::named`] accepts.
-pub const PROFILES: &[&str] = &[CALIBRATION.name, VERIFICATION.name, STATIC.name, SHORT.name];
+pub const PROFILES: &[&str] = &[
+    "calibration",
+    "verification",
+    "static",
+    "short",
+    "cycles",
+    "swing",
+    "cold_start",
+    "rest",
+    "faults",
+];
 
-/// A programme as written down here.
-struct Programme {
-    name: &'static str,
-    start_c: f64,
-    steps: &'static [Step],
-}
-
-const fn soak(air_c: f64, duration_min: f64) -> Step {
-    Step::Soak {
-        air_c,
-        duration_min,
-    }
-}
-
-const fn ramp(to_c: f64, rate_c_per_min: f64) -> Step {
-    Step::Ramp {
-        to_c,
-        rate_c_per_min,
-    }
-}
-
-/// Every temperature between -15 and 80 degC is passed upwards at 1 and 2 degC/min and downwards
-/// at 0.25 and 0.5: no segment of a model is left with a single rate, for which the rate
-/// terms cannot be told from the static ones.
-const CALIBRATION: Programme = Programme {
-    name: "calibration",
-    start_c: 25.0,
-    steps: &[
-        soak(25.0, 30.0),
-        ramp(-15.0, 1.0),
-        soak(-15.0, 40.0),
-        ramp(0.0, 1.0),
-        soak(0.0, 35.0),
-        ramp(15.0, 1.0),
-        soak(15.0, 35.0),
-        ramp(30.0, 1.0),
-        soak(30.0, 35.0),
-        ramp(45.0, 1.0),
-        soak(45.0, 35.0),
-        ramp(60.0, 1.0),
-        soak(60.0, 35.0),
-        ramp(80.0, 1.0),
-        soak(80.0, 35.0),
-        ramp(-15.0, 0.25),
-        soak(-15.0, 40.0),
-        ramp(80.0, 2.0),
-        soak(80.0, 40.0),
-        ramp(65.0, 0.5),
-        soak(65.0, 20.0),
-        ramp(35.0, 0.5),
-        soak(35.0, 20.0),
-        ramp(5.0, 0.5),
-        soak(5.0, 20.0),
-        ramp(-15.0, 0.5),
-        soak(-15.0, 40.0),
-    ],
-};
-
-/// Shares no soak temperature and no rate with [`CALIBRATION`], and stays inside its range, so
-/// that it judges a calibration on conditions which that calibration has not seen.
-const VERIFICATION: Programme = Programme {
-    name: "verification",
-    start_c: 20.0,
-    steps: &[
-        soak(20.0, 30.0),
-        ramp(-12.0, 0.7),
-        soak(-12.0, 40.0),
-        ramp(3.0, 1.5),
-        soak(3.0, 30.0),
-        ramp(22.0, 1.5),
-        soak(22.0, 30.0),
-        ramp(38.0, 1.5),
-        soak(38.0, 30.0),
-        ramp(52.0, 1.5),
-        soak(52.0, 30.0),
-        ramp(67.0, 1.5),
-        soak(67.0, 30.0),
-        ramp(77.0, 1.5),
-        soak(77.0, 40.0),
-        ramp(58.0, 0.7),
-        soak(58.0, 25.0),
-        ramp(31.0, 0.7),
-        soak(31.0, 25.0),
-        ramp(8.0, 0.7),
-        soak(8.0, 25.0),
-        ramp(-12.0, 0.7),
-        soak(-12.0, 40.0),
-        ramp(77.0, 0.4),
-        soak(77.0, 30.0),
-        ramp(20.0, 1.5),
-        soak(20.0, 20.0),
-    ],
-};
-
-/// Changes at 0.2 degC/min keep the rate-dependent part of the bias small, and an hour at each
-/// temperature outweighs the changes.
-const STATIC: Programme = Programme {
-    name: "static",
-    start_c: -15.0,
-    steps: &[
-        soak(-15.0, 60.0),
-        ramp(-5.0, 0.2),
-        soak(-5.0, 60.0),
-        ramp(5.0, 0.2),
-        soak(5.0, 60.0),
-        ramp(15.0, 0.2),
-        soak(15.0, 60.0),
-        ramp(25.0, 0.2),
-        soak(25.0, 60.0),
-        ramp(35.0, 0.2),
-        soak(35.0, 60.0),
-        ramp(45.0, 0.2),
-        soak(45.0, 60.0),
-        ramp(55.0, 0.2),
-        soak(55.0, 60.0),
-        ramp(65.0, 0.2),
-        soak(65.0, 60.0),
-        ramp(75.0, 0.2),
-        soak(75.0, 60.0),
-        ramp(80.0, 0.2),
-        soak(80.0, 60.0),
-    ],
-};
-
-const SHORT: Programme = Programme {
-    name: "short",
-    start_c: 25.0,
-    steps: &[
-        soak(25.0, 10.0),
-        ramp(45.0, 1.0),
-        soak(45.0, 10.0),
-        ramp(5.0, 2.0),
-        soak(5.0, 10.0),
-        ramp(25.0, 1.0),
-    ],
-};
+const FILES: [&str; 9] = [
+    include_str!("../profiles/calibration.toml"),
+    include_str!("../profiles/verification.toml"),
+    include_str!("../profiles/static.toml"),
+    include_str!("../profiles/short.toml"),
+    include_str!("../profiles/cycles.toml"),
+    include_str!("../profiles/swing.toml"),
+    include_str!("../profiles/cold_start.toml"),
+    include_str!("../profiles/rest.toml"),
+    include_str!("../profiles/faults.toml"),
+];
 
 impl Profile {
+    /// The TOML text of a name in [`PROFILES`].
+    ///
+    /// # Errors
+    ///
+    /// [`UnknownName`] lists the names.
+    pub fn source(name: &str) -> Result<&'static str, UnknownName> {
+        let known = PROFILES.iter().position(|known| *known == name);
+        known.map(|index| FILES[index]).ok_or_else(|| UnknownName {
+            kind: "profile",
+            name: name.to_owned(),
+            known: PROFILES,
+        })
+    }
+
     /// The profile of a name in [`PROFILES`].
     ///
     /// | name | air temperature | rates, degC/min | duration |
@@ -152,29 +52,25 @@ impl Profile {
     /// | `verification` | -12 to 77 degC, soaks at 11 other points, start at 20 degC | 0.4, 0.7, 1.5 | 15.3 h |
     /// | `static` | -15 to 80 degC upwards, one hour at each of 11 points | 0.2 | 18.9 h |
     /// | `short` | 5 to 45 degC | 1, 2 | 1.5 h |
+    /// | `cycles` | cycles between -10 and 70 degC | 0.5, 1, 3 | 16.2 h |
+    /// | `swing` | sine waves about 30 degC | up to 3.1 | 9 h |
+    /// | `cold_start` | power on at -20 degC, then to 20 degC | 1 | 3 h |
+    /// | `rest` | 25 degC | 0 | 2 h |
+    /// | `faults` | 10 to 50 degC, with faults and motion | 0.5, 1 | 4 h |
     ///
     /// # Errors
     ///
     /// [`UnknownName`] lists the names.
     pub fn named(name: &str) -> Result<Self, UnknownName> {
-        let programme = [&CALIBRATION, &VERIFICATION, &STATIC, &SHORT]
-            .into_iter()
-            .find(|programme| programme.name == name)
-            .ok_or_else(|| UnknownName {
-                kind: "profile",
-                name: name.to_owned(),
-                known: PROFILES,
-            })?;
-        Ok(
-            Self::new(programme.name, programme.start_c, programme.steps)
-                .expect("the programmes of this file are valid"),
-        )
+        let profile = file::profile(name, Self::source(name)?);
+        Ok(profile.expect("the programmes of this crate are valid"))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::step::{Course, Step};
 
     fn named(name: &str) -> Profile {
         Profile::named(name).unwrap()
@@ -190,7 +86,7 @@ mod tests {
             .iter()
             .filter_map(|step| match step {
                 Step::Soak { air_c, .. } => Some(*air_c),
-                Step::Ramp { .. } => None,
+                _ => None,
             })
             .collect();
         soaks.sort_by(f64::total_cmp);
@@ -204,7 +100,7 @@ mod tests {
             .iter()
             .filter_map(|step| match step {
                 Step::Ramp { rate_c_per_min, .. } => Some(*rate_c_per_min),
-                Step::Soak { .. } => None,
+                _ => None,
             })
             .collect();
         rates.sort_by(f64::total_cmp);
@@ -227,11 +123,13 @@ mod tests {
     fn every_listed_name_exists_and_no_other() {
         for name in PROFILES {
             assert_eq!(named(name).name(), *name);
+            assert!(!named(name).programme().description.is_empty(), "{name}");
         }
         let error = Profile::named("calibartion").unwrap_err();
         assert_eq!(
             error.to_string(),
-            "unknown profile `calibartion`, expected one of: calibration, verification, static, short"
+            "unknown profile `calibartion`, expected one of: calibration, verification, static, short, \
+             cycles, swing, cold_start, rest, faults"
         );
     }
 
@@ -242,6 +140,11 @@ mod tests {
             ("verification", 15.3),
             ("static", 18.9),
             ("short", 1.5),
+            ("cycles", 16.2),
+            ("swing", 9.0),
+            ("cold_start", 3.0),
+            ("rest", 2.0),
+            ("faults", 4.0),
         ] {
             let actual = duration_h(name);
             assert!((actual - hours).abs() < 0.05, "{name}: {actual} h");
@@ -255,6 +158,11 @@ mod tests {
             ("verification", -12.0, 77.0),
             ("static", -15.0, 80.0),
             ("short", 5.0, 45.0),
+            ("cycles", -10.0, 70.0),
+            ("swing", -5.0, 65.0),
+            ("cold_start", -20.0, 20.0),
+            ("rest", 25.0, 25.0),
+            ("faults", 10.0, 50.0),
         ] {
             let (low, high) = range_c(name);
             assert!((low - low_c).abs() < 1e-9, "{name}: {low} degC");
@@ -289,12 +197,14 @@ mod tests {
             let mut slopes: Vec<f64> = profile
                 .legs()
                 .iter()
-                .filter(|leg| leg.slope_c_per_s != 0.0)
-                .filter(|leg| {
-                    let (from, to) = (leg.start_c, leg.air_c(leg.end_s));
-                    from.min(to) <= temperature_c && temperature_c <= from.max(to)
+                .filter_map(|leg| {
+                    let Course::Line { slope_c_per_s, .. } = leg.course else {
+                        return None;
+                    };
+                    let (from, to) = (leg.air_c(leg.start_s), leg.air_c(leg.end_s));
+                    let passes = from.min(to) <= temperature_c && temperature_c <= from.max(to);
+                    (slope_c_per_s != 0.0 && passes).then_some(slope_c_per_s)
                 })
-                .map(|leg| leg.slope_c_per_s)
                 .collect();
             slopes.sort_by(f64::total_cmp);
             slopes.dedup();

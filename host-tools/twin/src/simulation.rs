@@ -3,10 +3,17 @@
 use core::iter::FusedIterator;
 use core::ops::RangeInclusive;
 
+use crate::bias::ThermalBiases;
 use crate::chamber::Profile;
+use crate::drift::DriftState;
 use crate::error::SimulationError;
-use crate::noise::{PulseOutput, TemperatureSensor};
-use crate::thermal::{Propagator, ThermalState};
+use crate::events::{Fault, FaultKind, Flags};
+use crate::gyro::GyroChannel;
+use crate::normal::{NormalSource, Stream};
+use crate::propagator::{Propagator, Settled};
+use crate::sensor::TemperatureSensor;
+use crate::thermal::ThermalState;
+use crate::tone::ToneState;
 use crate::unit::Unit;
 
 /// Sample rate of a log where none is asked for, Hz.
@@ -20,10 +27,11 @@ pub const RATE_RANGE_HZ: RangeInclusive<f64> = 0.01..=10_000.0;
 pub struct Sample {
     /// Time since the start of the programme, s; sample `i` is at exactly `i / rate_hz`.
     pub time_s: f64,
-    /// Temperature reading of the sensor on the case, degC.
+    /// Temperature reading, degC; NaN when there is none.
     pub temp_c: f64,
-    /// Pulses of the X, Y and Z gyro in the sample interval that ends at `time_s`.
-    pub pulses: [i64; 3],
+    /// Output of the X, Y and Z gyro for the sample interval that ends at `time_s`: pulses counted
+    /// in it, or its mean rate in steps of the output.
+    pub counts: [i64; 3],
     /// What a real unit would not tell.
     pub truth: Truth,
 }
@@ -33,15 +41,17 @@ pub struct Sample {
 pub struct Truth {
     /// Temperature of the cavity, degC.
     pub cavity_c: [f64; 3],
-    /// Bias, pulses/s.
-    pub bias_pulses_per_s: [f64; 3],
+    /// Bias, in the unit's rate unit; drift is part of it.
+    pub bias: [f64; 3],
+    /// What is not as usual at this sample.
+    pub flags: Flags,
 }
 
 /// Iterator over the samples of one run.
 ///
-/// The first sample is at time 0, the last at or just before the end of the programme. The
-/// temperatures of case and cavities are exact solutions at any rate: runs at two rates have the
-/// same truth at the times they share.
+/// The first sample is at time 0, the last at or just before the end of the programme. Temperatures
+/// are exact solutions at any rate, and drift is a function of time: runs at two rates have the same
+/// truth at the times they share, hysteresis apart, which sees the turning points to within a sample.
 #[derive(Debug, Clone)]
 pub struct Simulation {
     unit: Unit,
@@ -49,15 +59,18 @@ pub struct Simulation {
     rate_hz: f64,
     next_index: u64,
     samples: u64,
-    /// Time up to which `state` has been moved, s.
-    time_s: f64,
-    /// Leg of the profile at `time_s`.
-    leg: usize,
-    state: ThermalState,
-    bias_pulses_per_s: [f64; 3],
-    whole_interval: Propagator,
+    rows_lost: bool,
+    heat: Heat,
+    thermal_bias: ThermalBiases,
+    bias: [f64; 3],
+    drifts: [DriftState; 3],
+    tones: Vec<ToneState>,
+    /// Angle of tones and motion at the last sample, rate unit times s.
+    disturbance: [f64; 3],
+    input_rate: [f64; 3],
     sensor: TemperatureSensor,
-    outputs: [PulseOutput; 3],
+    gyros: [GyroChannel; 3],
+    losses: NormalSource,
 }
 
 impl Simulation {
@@ -65,7 +78,7 @@ impl Simulation {
     ///
     /// # Errors
     ///
-    /// [`SimulationError::Rate`] when `rate_hz` is outside [`RATE_RANGE_HZ`].
+    /// [`SimulationError`] when `rate_hz` is outside [`RATE_RANGE_HZ`] or the unit cannot be.
     pub fn new(
         unit: &Unit,
         profile: &Profile,
@@ -75,44 +88,121 @@ impl Simulation {
         if !RATE_RANGE_HZ.contains(&rate_hz) {
             return Err(SimulationError::Rate { rate_hz });
         }
+        unit.check()?;
         let interval_s = 1.0 / rate_hz;
-        let state = ThermalState::uniform(profile.start_c());
-        let output = |axis| PulseOutput::new(&unit.noise, interval_s, seed, axis);
-        Ok(Self {
+        let heat = Heat::new(unit, profile, interval_s);
+        let mut thermal_bias = ThermalBiases::new(unit, &heat.state);
+        let mut drifts =
+            core::array::from_fn(|axis| DriftState::new(&unit.axes[axis].drift, seed, axis));
+        let arcsec = unit.arcsec_per_angle();
+        let tone = |(index, tone)| ToneState::new(tone, seed, index);
+        let mut run = Self {
+            bias: bias(&mut thermal_bias, &heat.state, &mut drifts, 0.0),
             unit: unit.clone(),
             profile: profile.clone(),
             rate_hz,
             next_index: 0,
             samples: sample_count(profile.duration_s(), rate_hz),
-            time_s: 0.0,
-            leg: 0,
-            state,
-            bias_pulses_per_s: bias(unit, &state),
-            whole_interval: Propagator::new(&unit.thermal, interval_s),
-            sensor: TemperatureSensor::new(&unit.noise, seed),
-            outputs: core::array::from_fn(output),
+            rows_lost: false,
+            heat,
+            thermal_bias,
+            drifts,
+            tones: unit.tone.iter().enumerate().map(tone).collect(),
+            disturbance: [0.0; 3],
+            // 1 deg/h is 1 arcsec/s.
+            input_rate: profile.programme().input_rate_dph.map(|rate| rate / arcsec),
+            sensor: TemperatureSensor::new(&unit.temperature, seed),
+            gyros: core::array::from_fn(|axis| GyroChannel::new(unit, interval_s, seed, axis)),
+            losses: NormalSource::new(seed, Stream::Rows),
+        };
+        run.disturbance = run.disturbance_at(0.0);
+        Ok(run)
+    }
+
+    /// The unit that is run.
+    pub fn unit(&self) -> &Unit {
+        &self.unit
+    }
+
+    /// Angle of tones and motion, rate unit times s.
+    fn disturbance_at(&mut self, time_s: f64) -> [f64; 3] {
+        let mut sum = [0.0; 3];
+        for tone in &mut self.tones {
+            add(&mut sum, tone.angle_at(time_s));
+        }
+        let motions = &self.profile.programme().motion;
+        if !motions.is_empty() {
+            let arcsec = self.unit.arcsec_per_angle();
+            for motion in motions {
+                add(
+                    &mut sum,
+                    motion.angle_arcsec(time_s).map(|angle| angle / arcsec),
+                );
+            }
+        }
+        sum
+    }
+
+    /// Angle that each axis turns in the interval, rate unit times s; noise apart.
+    fn angles(&mut self, time_s: f64) -> [f64; 3] {
+        let before = self.bias;
+        self.bias = bias(
+            &mut self.thermal_bias,
+            &self.heat.state,
+            &mut self.drifts,
+            time_s,
+        );
+        let disturbance = self.disturbance_at(time_s);
+        let earlier = core::mem::replace(&mut self.disturbance, disturbance);
+        core::array::from_fn(|axis| {
+            let mean = 0.5 * (before[axis] + self.bias[axis]) + self.input_rate[axis];
+            mean / self.rate_hz + (disturbance[axis] - earlier[axis])
         })
     }
 
-    /// Moves the thermal state, split where the programme bends so that each part is exact.
-    fn advance_to(&mut self, time_s: f64) {
-        let begin_s = self.time_s;
-        while self.time_s < time_s {
-            let leg = self.profile.legs()[self.leg];
-            if leg.end_s <= self.time_s {
-                self.leg += 1;
-                continue;
+    /// The sample at `time_s`, or nothing where its row is lost.
+    fn sample(&mut self, time_s: f64, interval_begin_s: f64) -> Option<Sample> {
+        self.heat.advance_to(&self.unit, &self.profile, time_s);
+        let angles = self.angles(time_s);
+        let mut counts = core::array::from_fn(|axis| self.gyros[axis].count(angles[axis]));
+        let programme = self.profile.programme();
+        let faults = programme
+            .fault
+            .iter()
+            .filter(|fault| fault.is_there(interval_begin_s, time_s));
+        let temp_c = self.sensor.read(self.heat.state.sensor_c(), faults.clone());
+        let mut flags = flags(faults.clone());
+        for fault in faults {
+            if let FaultKind::GyroDead { axis } = fault.what {
+                counts[axis as usize] = 0;
             }
-            let part_end_s = time_s.min(leg.end_s);
-            let air_c = leg.air_c(self.time_s);
-            let propagator = if self.time_s == begin_s && part_end_s == time_s {
-                self.whole_interval
-            } else {
-                Propagator::new(&self.unit.thermal, part_end_s - self.time_s)
-            };
-            propagator.advance(&mut self.state, air_c, leg.slope_c_per_s);
-            self.time_s = part_end_s;
         }
+        if programme
+            .motion
+            .iter()
+            .any(|motion| motion.is_there(interval_begin_s, time_s))
+        {
+            flags.set(Flags::MOTION);
+        }
+        let lost = self.unit.lost_rows > 0.0
+            && 0.5 * (self.losses.symmetric() + 1.0) < self.unit.lost_rows;
+        if lost || flags.contains(Flags::ROWS_LOST) {
+            self.rows_lost = true;
+            return None;
+        }
+        if core::mem::take(&mut self.rows_lost) {
+            flags.set(Flags::ROWS_LOST);
+        }
+        Some(Sample {
+            time_s,
+            temp_c,
+            counts,
+            truth: Truth {
+                cavity_c: self.heat.state.cavity_c(),
+                bias: self.bias,
+                flags,
+            },
+        })
     }
 }
 
@@ -120,38 +210,72 @@ impl Iterator for Simulation {
     type Item = Sample;
 
     fn next(&mut self) -> Option<Sample> {
-        if self.next_index == self.samples {
-            return None;
+        while self.next_index < self.samples {
+            let index = self.next_index as f64;
+            self.next_index += 1;
+            let interval_begin_s = (index - 1.0) / self.rate_hz;
+            if let Some(sample) = self.sample(index / self.rate_hz, interval_begin_s) {
+                return Some(sample);
+            }
         }
-        let time_s = self.next_index as f64 / self.rate_hz;
-        self.next_index += 1;
-        self.advance_to(time_s);
-
-        let before = self.bias_pulses_per_s;
-        let now = bias(&self.unit, &self.state);
-        self.bias_pulses_per_s = now;
-        let pulses = core::array::from_fn(|axis| {
-            let mean_pulses_per_s = 0.5 * (before[axis] + now[axis]);
-            self.outputs[axis].count(mean_pulses_per_s / self.rate_hz)
-        });
-        Some(Sample {
-            time_s,
-            temp_c: self.sensor.read(self.state.case_c),
-            pulses,
-            truth: Truth {
-                cavity_c: self.state.cavity_c,
-                bias_pulses_per_s: now,
-            },
-        })
+        None
     }
 
     fn size_hint(&self) -> (usize, Option<usize>) {
-        let left = usize::try_from(self.samples - self.next_index);
-        (left.unwrap_or(usize::MAX), left.ok())
+        // Any of the rows may be lost.
+        (0, usize::try_from(self.samples - self.next_index).ok())
     }
 }
 
 impl FusedIterator for Simulation {}
+
+/// The temperatures of a unit on its way through a programme.
+#[derive(Debug, Clone)]
+struct Heat {
+    settled: Settled,
+    whole_interval: Propagator,
+    state: ThermalState,
+    /// Time up to which `state` has been moved, s.
+    time_s: f64,
+    /// Leg of the profile at `time_s`.
+    leg: usize,
+}
+
+impl Heat {
+    fn new(unit: &Unit, profile: &Profile, interval_s: f64) -> Self {
+        let powered = !profile.programme().cold_start;
+        Self {
+            settled: Settled::new(&unit.thermal),
+            whole_interval: Propagator::new(&unit.thermal, interval_s),
+            state: unit.thermal.at_rest(profile.start_c(), powered),
+            time_s: 0.0,
+            leg: 0,
+        }
+    }
+
+    /// Moves the state, split where the programme bends so that each part is exact.
+    fn advance_to(&mut self, unit: &Unit, profile: &Profile, time_s: f64) {
+        let begin_s = self.time_s;
+        while self.time_s < time_s {
+            let leg = &profile.legs()[self.leg];
+            if leg.end_s <= self.time_s {
+                self.leg += 1;
+                continue;
+            }
+            let part_end_s = time_s.min(leg.end_s);
+            let part;
+            let propagator = if self.time_s == begin_s && part_end_s == time_s {
+                &self.whole_interval
+            } else {
+                part = Propagator::new(&unit.thermal, part_end_s - self.time_s);
+                &part
+            };
+            let since_s = self.time_s - leg.start_s;
+            propagator.advance(&mut self.state, &self.settled, &leg.course, since_s);
+            self.time_s = part_end_s;
+        }
+    }
+}
 
 /// Samples from time 0 up to and including the end of the programme.
 fn sample_count(duration_s: f64, rate_hz: f64) -> u64 {
@@ -161,25 +285,53 @@ fn sample_count(duration_s: f64, rate_hz: f64) -> u64 {
     (duration_s * rate_hz + TOLERANCE).floor() as u64 + 1
 }
 
-/// True bias of each axis, pulses/s.
-fn bias(unit: &Unit, state: &ThermalState) -> [f64; 3] {
-    let rate_c_per_min = unit.thermal.cavity_rate_c_per_min(state);
-    core::array::from_fn(|axis| {
-        unit.bias[axis].pulses_per_s(state.cavity_c[axis], rate_c_per_min[axis])
-    })
+/// True bias of each axis, rate unit.
+fn bias(
+    thermal: &mut ThermalBiases,
+    state: &ThermalState,
+    drifts: &mut [DriftState; 3],
+    time_s: f64,
+) -> [f64; 3] {
+    let mut bias = thermal.follow(state);
+    for (bias, drift) in bias.iter_mut().zip(drifts) {
+        *bias += drift.at(time_s);
+    }
+    bias
+}
+
+fn add(sum: &mut [f64; 3], part: [f64; 3]) {
+    for (sum, part) in sum.iter_mut().zip(part) {
+        *sum += part;
+    }
+}
+
+/// What faults make of a sample.
+fn flags<'a>(faults: impl Iterator<Item = &'a Fault>) -> Flags {
+    let mut flags = Flags::default();
+    for fault in faults {
+        flags.set(match fault.what {
+            FaultKind::GyroDead { .. } => Flags::GYRO_FAULT,
+            FaultKind::RowsLost => Flags::ROWS_LOST,
+            _ => Flags::TEMPERATURE_FAULT,
+        });
+    }
+    flags
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::chamber::Step;
-    use crate::noise::NoiseLevels;
+    use crate::gyro::GyroNoise;
+    use crate::sensor::TemperatureReading;
+    use crate::step::Step;
 
     fn quiet_unit() -> Unit {
-        Unit {
-            noise: NoiseLevels::NONE,
-            ..Unit::named("paper").unwrap()
+        let mut unit = Unit::named("paper").unwrap();
+        unit.temperature = TemperatureReading::EXACT;
+        for axis in &mut unit.axes {
+            axis.noise = GyroNoise::NONE;
         }
+        unit
     }
 
     fn short() -> Profile {
@@ -189,7 +341,7 @@ mod tests {
     #[test]
     fn times_are_exact_multiples() {
         let run = Simulation::new(&quiet_unit(), &short(), 1, 10.0).unwrap();
-        assert_eq!(run.size_hint(), (54_001, Some(54_001)));
+        assert_eq!(run.size_hint(), (0, Some(54_001)));
         let samples: Vec<Sample> = run.collect();
         assert_eq!(samples.len(), 54_001);
         for (i, sample) in samples.iter().enumerate() {
@@ -219,7 +371,7 @@ mod tests {
             for axis in 0..3 {
                 let (a, b) = (coarse.truth, fine.truth);
                 assert!((a.cavity_c[axis] - b.cavity_c[axis]).abs() < 1e-9);
-                assert!((a.bias_pulses_per_s[axis] - b.bias_pulses_per_s[axis]).abs() < 1e-9);
+                assert!((a.bias[axis] - b.bias[axis]).abs() < 1e-9);
             }
             compared += 1;
         }

@@ -1,190 +1,185 @@
-//! Heat flow: air to case, case to the cavity of each gyro.
+//! Heat flow: air to case, case to block, block to the cavity of each gyro, and to the sensor.
 
-/// Time constants of a unit's heat flow, each a first-order lag.
+use serde::Deserialize;
+
+use crate::check::{Invalid, Range};
+
+/// Heat flow of a unit: first-order lags in a row, with self-heating.
 ///
 /// ```text
-/// d(case)/dt   = (air  - case)   / case_time_constant_s
-/// d(cavity)/dt = (case - cavity) / cavity_time_constant_s    for each axis
+/// d(case)/dt   = (air    + case_rise   - case)   / case_time_constant
+/// d(block)/dt  = (case   + block_rise  - block)  / block_time_constant
+/// d(cavity)/dt = (block  + cavity_rise - cavity) / cavity_time_constant    for each axis
+/// d(sensor)/dt = (part it sits on      - sensor) / sensor_time_constant
 /// ```
 ///
-/// The temperature sensor sits on the case. On a long ramp the case lags the air, and the cavity
-/// the case, by rate x time constant.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// On a long ramp each part lags the one before it by rate x time constant. The rises are there while
+/// the unit is powered. What flows back from a part to the one before it is left out: parts get
+/// lighter from the case inwards.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct ThermalNetwork {
-    /// Air to case, s, positive.
+    /// Air to case, s, 0.001 to 1e7.
     pub case_time_constant_s: f64,
-    /// Case to the cavity of the X, Y and Z gyro, s, positive.
+    /// Case to block, s; 0 when the block is one with the case.
+    #[serde(default)]
+    pub block_time_constant_s: f64,
+    /// Block to the cavity of the X, Y and Z gyro, s, 0.001 to 1e7.
     pub cavity_time_constant_s: [f64; 3],
+    /// The part it sits on to the temperature sensor, s; 0 for none.
+    #[serde(default)]
+    pub sensor_time_constant_s: f64,
+    /// The part that the temperature sensor sits on.
+    #[serde(default)]
+    pub sensor_on: Part,
+    /// Self-heating of the case above the air, degC.
+    #[serde(default)]
+    pub case_rise_c: f64,
+    /// Self-heating of the block above the case, degC; needs a block of its own.
+    #[serde(default)]
+    pub block_rise_c: f64,
+    /// Self-heating of each cavity above the block, degC.
+    #[serde(default)]
+    pub cavity_rise_c: [f64; 3],
 }
+
+/// A part of the unit.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Part {
+    /// The case.
+    #[default]
+    Case,
+    /// The block that carries the gyros.
+    Block,
+}
+
+/// Parts with a temperature: case, block, three cavities, sensor.
+pub(crate) const NODES: usize = 6;
+pub(crate) const CASE: usize = 0;
+pub(crate) const BLOCK: usize = 1;
+pub(crate) const CAVITY: usize = 2;
+pub(crate) const SENSOR: usize = 5;
 
 /// Temperatures of the parts, degC.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct ThermalState {
-    pub(crate) case_c: f64,
-    pub(crate) cavity_c: [f64; 3],
-}
+pub(crate) struct ThermalState(pub(crate) [f64; NODES]);
 
 impl ThermalState {
-    /// All parts at one temperature.
-    pub(crate) fn uniform(temperature_c: f64) -> Self {
-        Self {
-            case_c: temperature_c,
-            cavity_c: [temperature_c; 3],
-        }
+    pub(crate) fn case_c(&self) -> f64 {
+        self.0[CASE]
     }
+
+    pub(crate) fn cavity_c(&self) -> [f64; 3] {
+        core::array::from_fn(|axis| self.0[CAVITY + axis])
+    }
+
+    pub(crate) fn sensor_c(&self) -> f64 {
+        self.0[SENSOR]
+    }
+}
+
+/// A part with what it follows.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Lag {
+    pub(crate) parent: Option<usize>,
+    pub(crate) time_constant_s: f64,
+    pub(crate) rise_c: f64,
 }
 
 impl ThermalNetwork {
+    pub(crate) fn check(&self) -> Result<(), Invalid> {
+        let time = Range::TIME_CONSTANT;
+        time.check("case_time_constant_s", self.case_time_constant_s)?;
+        for (name, value) in [
+            ("block_time_constant_s", self.block_time_constant_s),
+            ("sensor_time_constant_s", self.sensor_time_constant_s),
+        ] {
+            if value != 0.0 {
+                time.check(name, value).map_err(|error| Invalid {
+                    expected: format!("0 or {}", error.expected),
+                    ..error
+                })?;
+            }
+        }
+        for value in self.cavity_time_constant_s {
+            time.check("cavity_time_constant_s", value)?;
+        }
+        let rise = Range::new(-50.0, 50.0);
+        rise.check("case_rise_c", self.case_rise_c)?;
+        rise.check("block_rise_c", self.block_rise_c)?;
+        for value in self.cavity_rise_c {
+            rise.check("cavity_rise_c", value)?;
+        }
+        if self.block_time_constant_s == 0.0 && self.block_rise_c != 0.0 {
+            return Err(Invalid::new(
+                "block_rise_c",
+                self.block_rise_c,
+                "0 where block_time_constant_s is 0",
+            ));
+        }
+        Ok(())
+    }
+
+    /// The parts, each after the one it follows.
+    pub(crate) fn lags(&self) -> [Lag; NODES] {
+        let lag = |parent, time_constant_s, rise_c| Lag {
+            parent: Some(parent),
+            time_constant_s,
+            rise_c,
+        };
+        let cavity = |axis: usize| {
+            let time_constant_s = self.cavity_time_constant_s[axis];
+            lag(BLOCK, time_constant_s, self.cavity_rise_c[axis])
+        };
+        let sensor_parent = match self.sensor_on {
+            Part::Case => CASE,
+            Part::Block => BLOCK,
+        };
+        [
+            Lag {
+                parent: None,
+                time_constant_s: self.case_time_constant_s,
+                rise_c: self.case_rise_c,
+            },
+            lag(CASE, self.block_time_constant_s, self.block_rise_c),
+            cavity(0),
+            cavity(1),
+            cavity(2),
+            lag(sensor_parent, self.sensor_time_constant_s, 0.0),
+        ]
+    }
+
+    /// All parts at the temperature of the air or, when powered for long, at their rises above it.
+    pub(crate) fn at_rest(&self, air_c: f64, powered: bool) -> ThermalState {
+        let mut state = [air_c; NODES];
+        if powered {
+            for (state_c, rise_c) in state.iter_mut().zip(self.rises_c()) {
+                *state_c += rise_c;
+            }
+        }
+        ThermalState(state)
+    }
+
+    /// Rise of every part above the air, degC.
+    pub(crate) fn rises_c(&self) -> [f64; NODES] {
+        self.sums(|lag| lag.rise_c)
+    }
+
+    /// A quantity of each part and of all it follows, added up.
+    pub(crate) fn sums(&self, quantity: impl Fn(&Lag) -> f64) -> [f64; NODES] {
+        let mut sums = [0.0; NODES];
+        for (node, lag) in self.lags().iter().enumerate() {
+            sums[node] = lag.parent.map_or(0.0, |parent| sums[parent]) + quantity(lag);
+        }
+        sums
+    }
+
     /// Rate of each cavity's temperature, degC/min.
     pub(crate) fn cavity_rate_c_per_min(&self, state: &ThermalState) -> [f64; 3] {
         core::array::from_fn(|axis| {
-            60.0 * (state.case_c - state.cavity_c[axis]) / self.cavity_time_constant_s[axis]
+            let distance_c = state.0[BLOCK] + self.cavity_rise_c[axis] - state.0[CAVITY + axis];
+            60.0 * distance_c / self.cavity_time_constant_s[axis]
         })
-    }
-}
-
-/// Moves a [`ThermalState`] over one fixed time, exactly, while the air is linear.
-///
-/// With `e = case - air_lagged` and `f = cavity - air_lagged_twice`, the distances from the lines
-/// that case and cavity follow on an endless ramp, a step of `h` gives
-///
-/// ```text
-/// e1 = e0 exp(-h/ts)
-/// f1 = f0 exp(-h/tc) + e0 (h/tc) exp(-h/tc) expm1(x)/x,   x = h (1/tc - 1/ts)
-/// ```
-///
-/// The last factor is the convolution of the two exponentials in a form that stays accurate when
-/// the time constants `ts` and `tc` are close or equal.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Propagator {
-    network: ThermalNetwork,
-    duration_s: f64,
-    case_decay: f64,
-    cavity_decay: [f64; 3],
-    case_to_cavity: [f64; 3],
-}
-
-impl Propagator {
-    /// Works out the coefficients for a step of `duration_s`.
-    pub(crate) fn new(network: &ThermalNetwork, duration_s: f64) -> Self {
-        let case_s = network.case_time_constant_s;
-        let cavity_decay = network
-            .cavity_time_constant_s
-            .map(|cavity_s| libm::exp(-duration_s / cavity_s));
-        let case_to_cavity = core::array::from_fn(|axis| {
-            let cavity_s = network.cavity_time_constant_s[axis];
-            let x = duration_s * (1.0 / cavity_s - 1.0 / case_s);
-            duration_s / cavity_s * cavity_decay[axis] * expm1_ratio(x)
-        });
-        Self {
-            network: *network,
-            duration_s,
-            case_decay: libm::exp(-duration_s / case_s),
-            cavity_decay,
-            case_to_cavity,
-        }
-    }
-
-    /// Moves the state; the air is at `air_c` when the step begins and changes by
-    /// `slope_c_per_s` throughout it.
-    pub(crate) fn advance(&self, state: &mut ThermalState, air_c: f64, slope_c_per_s: f64) {
-        let rise_c = slope_c_per_s * self.duration_s;
-        let case_line_c = air_c - slope_c_per_s * self.network.case_time_constant_s;
-        let case_distance_c = state.case_c - case_line_c;
-        for axis in 0..3 {
-            let cavity_line_c =
-                case_line_c - slope_c_per_s * self.network.cavity_time_constant_s[axis];
-            state.cavity_c[axis] = cavity_line_c
-                + rise_c
-                + (state.cavity_c[axis] - cavity_line_c) * self.cavity_decay[axis]
-                + case_distance_c * self.case_to_cavity[axis];
-        }
-        state.case_c = case_line_c + rise_c + case_distance_c * self.case_decay;
-    }
-}
-
-/// `(exp(x) - 1) / x`, 1 at 0.
-fn expm1_ratio(x: f64) -> f64 {
-    if x == 0.0 { 1.0 } else { libm::expm1(x) / x }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    const NETWORK: ThermalNetwork = ThermalNetwork {
-        case_time_constant_s: 360.0,
-        // The second is equal to the case's, where the plain closed form divides 0 by 0.
-        cavity_time_constant_s: [300.0, 360.0, 240.0],
-    };
-
-    fn advance_by(state: &mut ThermalState, step_s: f64, steps: u32, air_c: f64, slope: f64) {
-        let propagator = Propagator::new(&NETWORK, step_s);
-        for step in 0..steps {
-            propagator.advance(state, air_c + slope * step_s * f64::from(step), slope);
-        }
-    }
-
-    #[test]
-    fn on_a_long_ramp_each_part_lags_by_rate_times_time_constant() {
-        let slope = 1.0 / 60.0;
-        let mut state = ThermalState::uniform(0.0);
-        advance_by(&mut state, 0.5, 40_000, 0.0, slope);
-        let air_c = slope * 20_000.0;
-        assert!((air_c - state.case_c - slope * 360.0).abs() < 1e-9);
-        for (axis, tau_s) in NETWORK.cavity_time_constant_s.into_iter().enumerate() {
-            let lag_c = state.case_c - state.cavity_c[axis];
-            assert!((lag_c - slope * tau_s).abs() < 1e-9, "axis {axis}: {lag_c}");
-            let rate = NETWORK.cavity_rate_c_per_min(&state)[axis];
-            assert!((rate - 1.0).abs() < 1e-9, "axis {axis}: {rate} degC/min");
-        }
-    }
-
-    #[test]
-    fn one_long_step_equals_many_short_ones() {
-        let start = ThermalState {
-            case_c: 30.0,
-            cavity_c: [10.0, 50.0, 35.0],
-        };
-        let (mut coarse, mut fine) = (start, start);
-        advance_by(&mut coarse, 1000.0, 1, 20.0, -0.02);
-        advance_by(&mut fine, 0.25, 4000, 20.0, -0.02);
-        assert!((coarse.case_c - fine.case_c).abs() < 1e-9);
-        for axis in 0..3 {
-            assert!((coarse.cavity_c[axis] - fine.cavity_c[axis]).abs() < 1e-9);
-        }
-    }
-
-    #[test]
-    fn agrees_with_a_numerical_integration() {
-        let mut exact = ThermalState::uniform(20.0);
-        advance_by(&mut exact, 600.0, 1, 50.0, 0.01);
-        // Midpoint rule, error of the order of step^2.
-        let step_s = 0.01;
-        let mut state = ThermalState::uniform(20.0);
-        for step in 0..60_000 {
-            let air_c = 50.0 + 0.01 * step_s * (f64::from(step) + 0.5);
-            let case_middle_c = state.case_c + 0.5 * step_s * (air_c - state.case_c) / 360.0;
-            for (cavity_c, tau_s) in state
-                .cavity_c
-                .iter_mut()
-                .zip(NETWORK.cavity_time_constant_s)
-            {
-                let middle_c = *cavity_c + 0.5 * step_s * (case_middle_c - *cavity_c) / tau_s;
-                *cavity_c += step_s * (case_middle_c - middle_c) / tau_s;
-            }
-            state.case_c += step_s * (air_c - case_middle_c) / 360.0;
-        }
-        assert!((exact.case_c - state.case_c).abs() < 1e-6);
-        for axis in 0..3 {
-            assert!((exact.cavity_c[axis] - state.cavity_c[axis]).abs() < 1e-5);
-        }
-    }
-
-    #[test]
-    fn stays_at_rest_in_still_air() {
-        let mut state = ThermalState::uniform(20.0);
-        advance_by(&mut state, 0.5, 1000, 20.0, 0.0);
-        assert_eq!(state, ThermalState::uniform(20.0));
     }
 }
