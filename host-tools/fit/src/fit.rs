@@ -10,7 +10,8 @@ use crate::model::Polynomial;
 use crate::regress::{ChannelData, is_usable};
 use crate::segment::{Overlap, Segment, SegmentError, Segmentation};
 use crate::set::{
-    AxisSet, ChannelSet, CoefficientSet, Input, Model, Provenance, SegmentSet, Settings,
+    AxisSet, ChannelSet, CoefficientSet, CoefficientSigmas, Input, Model, Provenance, SegmentSet,
+    Settings,
 };
 use crate::solve::{SegmentRows, TERMS};
 use crate::statistics;
@@ -122,14 +123,15 @@ fn fit_channel(
     let ranges = segmentation.fit_ranges(options.overlap);
     let mut rows = vec![SegmentRows::new(data.axes()); ranges.len()];
     let mut outside = 0_usize;
-    for (point, raw) in data.rows() {
+    for (interval_s, point, raw) in data.timed_rows() {
         let temp_c = f64::from(point.effective_c);
         let raw: Vec<f64> = raw.collect();
         let mut taken = false;
         for ((segment, range), rows) in segmentation.segments().iter().zip(&ranges).zip(&mut rows) {
             if temp_c >= range.t_min_c && temp_c <= range.t_max_c {
                 let z = (temp_c - segment.centre_c()) / segment.half_width_c();
-                rows.push(z, f64::from(point.rate_c_per_min), raw.iter().copied());
+                let rate = f64::from(point.rate_c_per_min);
+                rows.push(interval_s, z, rate, raw.iter().copied());
                 taken = true;
             }
         }
@@ -145,6 +147,7 @@ fn fit_channel(
 
     let mut segments = Vec::new();
     let mut polynomials = vec![Vec::new(); data.axes()];
+    let mut sigmas = vec![Vec::new(); data.axes()];
     for (segment, rows) in segmentation.segments().iter().zip(rows) {
         let fit = rows
             .fit(options.model.terms(), f64::from(options.thermal.tau_s))
@@ -164,6 +167,9 @@ fn fit_channel(
         for (axis, coefficients) in polynomials.iter_mut().zip(&fit.solution.coefficients) {
             axis.push(Polynomial::new(segment, coefficients));
         }
+        for (axis, found) in sigmas.iter_mut().zip(&fit.solution.sigmas) {
+            axis.push(CoefficientSigmas::new(found));
+        }
         segments.push(SegmentSet {
             t_min_c: segment.t_min_c,
             t_max_c: segment.t_max_c,
@@ -173,6 +179,7 @@ fn fit_channel(
                 .collect(),
             rows: fit.rows,
             condition: fit.solution.condition,
+            coverage: Some(fit.coverage),
         });
     }
 
@@ -195,10 +202,12 @@ fn fit_channel(
         segments,
         axes: axes
             .zip(polynomials)
-            .map(|(axis, polynomials)| AxisSet {
+            .zip(sigmas)
+            .map(|((axis, polynomials), sigmas)| AxisSet {
                 name: axis.name.clone(),
                 unit: axis.unit,
                 polynomials,
+                sigmas,
                 statistics: None,
             })
             .collect(),

@@ -50,6 +50,13 @@ impl<'a> ChannelData<'a> {
 
     /// Usable rows: the point and the values of all axes.
     pub(crate) fn rows(&self) -> impl Iterator<Item = (&ThermalPoint, impl Iterator<Item = f64>)> {
+        self.timed_rows().map(|(_, point, raw)| (point, raw))
+    }
+
+    /// Usable rows with the interval of their log \[s\].
+    pub(crate) fn timed_rows(
+        &self,
+    ) -> impl Iterator<Item = (f64, &ThermalPoint, impl Iterator<Item = f64>)> {
         self.logs
             .iter()
             .zip(&self.points)
@@ -59,7 +66,10 @@ impl<'a> ChannelData<'a> {
                     .iter()
                     .enumerate()
                     .filter(|(_, point)| is_usable(point));
-                usable.map(move |(row, point)| (point, axes.iter().map(move |axis| axis.raw[row])))
+                usable.map(move |(row, point)| {
+                    let raw = axes.iter().map(move |axis| axis.raw[row]);
+                    (log.interval_s, point, raw)
+                })
             })
     }
 
