@@ -153,7 +153,7 @@ fn show_hysteresis(axes: &[AxisEvaluation]) -> Result<()> {
     }
     if let Some((_, h)) = measured.clone().next() {
         print(format_args!(
-            "bins of {} degC passed for a minute or more both ways, at {:.3} degC/min or faster",
+            "bins of {} degC passed for 30 s or more both ways, at {:.3} degC/min or faster",
             h.bin_c, h.least_rate_c_per_min
         ))?;
     }

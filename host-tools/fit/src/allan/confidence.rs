@@ -1,7 +1,8 @@
 //! How far an Allan deviation may be from the one of an endless series.
 
-/// The noise that governs a stretch of the curve, by its slope in logarithms.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// The noise that governs a stretch of the curve, by its slope in logarithms; in the order in which
+/// they take over as the averaging time grows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Noise {
     /// Quantization noise (white phase): slope -1.
     Quantization,

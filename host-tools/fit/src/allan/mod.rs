@@ -46,7 +46,7 @@ pub struct AllanPoint {
     pub n: usize,
     /// Overlapping Allan deviation \[unit of the series\].
     pub deviation: f64,
-    /// Equivalent degrees of freedom, for the noise that the slope at this point tells.
+    /// Equivalent degrees of freedom, for the noise that the slopes up to this point tell.
     pub edf: f64,
     /// Ends of the 1-sigma confidence interval (68.3 %) \[unit of the series\].
     pub confidence: [f64; 2],
@@ -78,11 +78,13 @@ pub fn overlapping(
         .map(|octave| 1_usize << octave)
         .take_while(|m| 2 * m < phases.len());
     let deviations: Vec<(usize, f64)> = octaves.map(|m| (m, deviation(&phases, m))).collect();
+    // A fall after a flatter stretch is no return to whiter noise: a hump ends, or chance has it.
+    let mut noise = Noise::Quantization;
     deviations
         .iter()
         .enumerate()
         .map(|(place, &(m, deviation))| {
-            let noise = Noise::of_slope(slope(&deviations, place));
+            noise = noise.max(Noise::of_slope(slope(&deviations, place)));
             let edf = noise.degrees_of_freedom(phases.len(), m);
             AllanPoint {
                 tau_s: m as f64 * interval_s,

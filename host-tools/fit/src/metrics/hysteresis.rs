@@ -9,7 +9,7 @@ const BIN_C: f64 = 2.0;
 
 /// Time that a bin must have been passed for, in each direction \[s\]: the noise of single rows is
 /// not to be taken for hysteresis.
-const LEAST_TIME_S: f64 = 60.0;
+const LEAST_TIME_S: f64 = 30.0;
 
 /// Change that tells a direction from the sensor's noise \[degC\], within one time constant of the
 /// rate estimator.
@@ -25,7 +25,7 @@ pub struct Hysteresis {
     pub bin_c: f64,
     /// Rate that makes a row one of heating or cooling \[degC/min\].
     pub least_rate_c_per_min: f64,
-    /// Bins with a minute or more of both.
+    /// Bins with 30 s or more of both.
     pub bins: usize,
     /// Largest difference without compensation.
     pub max_raw: f64,
@@ -142,9 +142,9 @@ mod tests {
     #[test]
     fn bins_passed_one_way_or_in_a_hurry_do_not_count() {
         let (points, values) = cycle();
-        // Each bin has 120 rows either way: 2 min at 1 Hz, 48 s at 2.5 Hz.
+        // Each bin has 120 rows either way: 2 min at 1 Hz, 24 s at 5 Hz.
         assert!(
-            Bins::new(&points, 0.4, 60.0)
+            Bins::new(&points, 0.2, 60.0)
                 .compare(&values, &values)
                 .is_none()
         );

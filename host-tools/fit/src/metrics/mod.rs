@@ -309,7 +309,7 @@ impl Judged<'_> {
             correlation_compensated: shared.correlation(&compensated),
             hysteresis: Measured::or(
                 shared.bins.compare(&output.raw, &output.compensated),
-                || "no bin of temperature was passed both ways for a minute or more".to_owned(),
+                || "no bin of temperature was passed both ways for 30 s or more".to_owned(),
             ),
             allan: AllanOfAxis::new(self.log, output, axis.unit),
             boundaries: self.boundaries(),
