@@ -6,6 +6,7 @@ mod cycles;
 mod demo;
 mod figure;
 mod golden;
+mod paper;
 mod run;
 mod test;
 
@@ -31,6 +32,8 @@ enum Task {
     Check,
     /// The same bits on hosts and targets, over ten million samples
     Golden(golden::Args),
+    /// The paper's tables on a simulated unit, beside the printed ones
+    Paper(paper::Args),
     /// Executed instructions on the target, rows per second on the host
     Bench(bench::Args),
 }
@@ -41,6 +44,7 @@ fn main() -> ExitCode {
         Task::Test => test::run(),
         Task::Check => check::run(),
         Task::Golden(args) => golden::run(&args),
+        Task::Paper(args) => paper::run(&args),
         Task::Bench(args) => bench::run(&args),
     };
     match result {
