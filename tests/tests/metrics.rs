@@ -254,3 +254,21 @@ fn tables_fit_into_100_columns() {
         assert!(line.chars().count() <= 100, "{line}");
     }
 }
+
+/// Printed coefficients know no rate, but the log has one all the same.
+#[test]
+fn printed_coefficients_are_judged_too() {
+    let bench = Bench::new();
+    bench.write(
+        "printed.csv",
+        "gyro,segment,temp_min_c,temp_max_c,a0_pulses,a1_pulses_per_c,a2_pulses_per_c2\n\
+         X,1,5,45,0.25,0.01,0\n",
+    );
+    bench.write("log.csv", &ramps(false).replace("x_dph", "x_pulses_per_s"));
+    let found = evaluation(&bench, "printed.csv log.csv");
+    let x = &found["axes"][0];
+    assert!(number(&x["correlation_compensated"]["rate"]) > 0.9);
+    assert!(number(&x["hysteresis"]["rms_compensated"]) > 0.015);
+    assert!(found["segments"][0][0]["coverage"].is_null());
+    assert_eq!(found["log"]["role"], "verification");
+}

@@ -31,7 +31,11 @@ fn coverage(segments: &[SegmentSet]) -> Table {
             ]),
             None => row.extend(["-"; 4].map(str::to_owned)),
         }
-        row.push(figure(segment.condition));
+        row.push(if segment.rows > 0 {
+            figure(segment.condition)
+        } else {
+            "-".to_owned()
+        });
         row
     });
     let header = [

@@ -1,13 +1,13 @@
 //! The fit: logs in, coefficient set out.
 
-use tempco::{TableError, Thermal, ThermalSettings};
+use tempco::{TableError, ThermalSettings};
 use thiserror::Error;
 
 use crate::apply::ApplyError;
 use crate::assemble::{self, Fitted};
 use crate::log::Log;
 use crate::model::Polynomial;
-use crate::regress::{ChannelData, is_usable};
+use crate::regress::{ChannelData, is_usable, with_every_rate};
 use crate::segment::{Overlap, Segment, SegmentError, Segmentation};
 use crate::set::{
     AxisSet, ChannelSet, CoefficientSet, CoefficientSigmas, Input, Model, Provenance, SegmentSet,
@@ -62,12 +62,7 @@ pub fn fit(logs: &[Log], options: &FitOptions) -> Result<Fit, FitError> {
         check_interval(log, &options.thermal)?;
     }
     // While fitting, every rate counts.
-    let open = Thermal::new(ThermalSettings {
-        rate_min_c_per_min: -1e4,
-        rate_max_c_per_min: 1e4,
-        ..options.thermal
-    })
-    .map_err(FitError::Settings)?;
+    let open = with_every_rate(options.thermal).map_err(FitError::Settings)?;
 
     let mut remarks = Vec::new();
     let mut unusable_rows = vec![0; logs.len()];

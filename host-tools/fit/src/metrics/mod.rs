@@ -20,8 +20,9 @@ pub(crate) use means::Means;
 use serde::Serialize;
 use thiserror::Error;
 
-use crate::apply::{Applied, ApplyError, apply};
+use crate::apply::{Applied, ApplyError, ChannelInputs, apply, inputs};
 use crate::log::Log;
+use crate::regress::{points_of, with_every_rate};
 use crate::set::{ChannelSet, CoefficientSet, CoefficientSigmas, SegmentSet};
 use crate::unit::AxisUnit;
 use correlation::pearson;
@@ -167,8 +168,9 @@ pub fn evaluate(
     let applied = apply(set, log)?;
     let mut axes = Vec::new();
     let mut number = 0;
-    for (position, channel) in set.channels.iter().enumerate() {
-        let shared = OfChannel::new(log, channel, &applied.points[position], tau_s);
+    for inputs in inputs(set, log)? {
+        let channel = inputs.channel;
+        let shared = OfChannel::new(log, &inputs, tau_s)?;
         for of_channel in 0..channel.axes.len() {
             let judged = Judged {
                 log,
@@ -235,16 +237,24 @@ struct OfChannel {
 }
 
 impl OfChannel {
-    fn new(log: &Log, channel: &ChannelSet, points: &[(f32, f32)], tau_s: f64) -> Self {
+    /// The rate is the core's before it is clamped to the calibrated range: what the figures tell
+    /// of the log does not depend on the set's limits.
+    fn new(log: &Log, inputs: &ChannelInputs, tau_s: f64) -> Result<Self, ApplyError> {
+        let settings = inputs.channel.table.thermal;
+        let thermal = with_every_rate(settings.into())?;
+        let points: Vec<(f32, f32)> = points_of(log, inputs.temp_c, &thermal)
+            .into_iter()
+            .map(|point| (point.effective_c, point.rate_c_per_min))
+            .collect();
         let means = |figure: fn(&(f32, f32)) -> f32| {
             let values = points.iter().map(|point| f64::from(figure(point)));
             Means::new(&log.time_s, log.interval_s, values, tau_s).means
         };
-        Self {
-            bins: Bins::new(points, log.interval_s, channel.table.thermal.tau_s.into()),
+        Ok(Self {
+            bins: Bins::new(&points, log.interval_s, settings.tau_s.into()),
             temperatures: means(|point| point.0),
             rates: means(|point| point.1),
-        }
+        })
     }
 
     fn correlation(&self, means: &Means) -> Measured<Correlation> {
