@@ -3,7 +3,7 @@
 
 use plotters::coord::Shift;
 use plotters::prelude::*;
-use tempco_tests::ln100::{AVERAGED, Deviations, factor, record, tau_s, twin};
+use tempco_tests::ln100::{Deviations, OCTAVES, factor, record, tau_s, twin};
 use tempco_tests::root;
 
 /// Vermillion, blue and green of the Okabe-Ito palette, which colour-blind people can tell apart.
@@ -37,8 +37,8 @@ fn print_table(up: &[Deviations; 3], twin: &[Deviations; 3]) {
         "| tau [s] | x record | twin | factor | y record | twin | factor | z record | twin | factor |"
     );
     println!("| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |");
-    for (i, averaged) in AVERAGED.into_iter().enumerate() {
-        print!("| {:.4} ", tau_s(averaged));
+    for i in 0..OCTAVES {
+        print!("| {:.4} ", tau_s(i));
         for (record, twin) in up.iter().zip(twin) {
             let (r, t) = (record[i], twin[i]);
             print!("| {r:.3} | {t:.3} | {:.2} ", factor(r, t));
@@ -55,7 +55,7 @@ fn draw<DB: DrawingBackend>(
     twin: &Deviations,
 ) -> Drawn<DB> {
     let at = |values: &Deviations| -> Vec<(f64, f64)> {
-        let taus = AVERAGED.into_iter().map(tau_s);
+        let taus = (0..OCTAVES).map(tau_s);
         taus.zip(values.iter().copied()).collect()
     };
     let mut chart = ChartBuilder::on(panel)

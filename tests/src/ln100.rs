@@ -2,6 +2,7 @@
 
 use std::fs;
 
+use tempco_fit::allan::overlapping;
 use tempco_twin::{Output, Profile, Simulation, Unit};
 
 use crate::shared;
@@ -9,16 +10,16 @@ use crate::shared;
 /// Rate of the records and of the simulation \[Hz\].
 pub const RATE_HZ: f64 = 64.0;
 
-/// Averaging times in samples: octaves from 1/64 s, and 30 s.
-pub const AVERAGED: [usize; 12] = [1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 1920];
+/// Number of averaging times: octaves from 1/64 s to 32 s.
+pub const OCTAVES: usize = 12;
 
-/// Seconds of an averaging time.
-pub fn tau_s(averaged: usize) -> f64 {
-    averaged as f64 / RATE_HZ
+/// Averaging time of an octave \[s\].
+pub fn tau_s(octave: usize) -> f64 {
+    (1 << octave) as f64 / RATE_HZ
 }
 
-/// Overlapping Allan deviations \[deg/h\] of an axis at the times of [`AVERAGED`].
-pub type Deviations = [f64; AVERAGED.len()];
+/// Overlapping Allan deviations \[deg/h\] of an axis at all octaves.
+pub type Deviations = [f64; OCTAVES];
 
 /// Deviations of the X, Y and Z gyro of a record, `up` or `down`; `None`, with a printed reason,
 /// where it is absent.
@@ -31,18 +32,17 @@ pub fn record(orientation: &str) -> Option<[Deviations; 3]> {
     let mut lines = text.lines();
     let header = lines.next().unwrap_or_default();
     assert!(header.starts_with("time_s,gx_dps,gy_dps,gz_dps,"));
-    let mut angles = [const { Vec::new() }; 3];
+    let mut rates = [const { Vec::new() }; 3];
     for line in lines {
         let cells: Vec<f64> = line
             .split(',')
             .map(|cell| cell.parse().expect("a number"))
             .collect();
-        for (angles, rate_dps) in angles.iter_mut().zip(&cells[1..4]) {
-            // deg/s are 3600 arcsec/s.
-            append(angles, 3600.0 * rate_dps / RATE_HZ);
+        for (rates, rate_dps) in rates.iter_mut().zip(&cells[1..4]) {
+            rates.push(3600.0 * rate_dps);
         }
     }
-    Some(angles.map(|angles| deviations(&angles)))
+    Some(rates.map(|rates| deviations(&rates)))
 }
 
 /// Deviations of the X, Y and Z gyro of the simulated unit over two hours at rest.
@@ -58,29 +58,19 @@ pub fn twin(seed: u64) -> [Deviations; 3] {
     else {
         panic!("the unit counts pulses");
     };
-    let mut angles = [const { Vec::new() }; 3];
+    let mut rates = [const { Vec::new() }; 3];
     for sample in Simulation::new(&unit, &profile, seed, RATE_HZ).expect("a valid unit") {
-        for (angles, count) in angles.iter_mut().zip(sample.counts) {
-            append(angles, scale_factor_arcsec * count as f64);
+        for (rates, count) in rates.iter_mut().zip(sample.counts) {
+            // An arcsec/s is a deg/h.
+            rates.push(scale_factor_arcsec * RATE_HZ * count as f64);
         }
     }
-    angles.map(|angles| deviations(&angles))
+    rates.map(|rates| deviations(&rates))
 }
 
-fn append(angles: &mut Vec<f64>, increment: f64) {
-    angles.push(angles.last().copied().unwrap_or(0.0) + increment);
-}
-
-/// `sqrt(mean((a[i + 2m] - 2 a[i + m] + a[i])^2) / 2) / tau` of angles \[arcsec\]: in arcsec/s, deg/h.
-fn deviations(angles_arcsec: &[f64]) -> Deviations {
-    AVERAGED.map(|m| {
-        let count = angles_arcsec.len() - 2 * m;
-        let square: f64 = (0..count)
-            .map(|i| angles_arcsec[i + 2 * m] - 2.0 * angles_arcsec[i + m] + angles_arcsec[i])
-            .map(|difference| difference * difference)
-            .sum();
-        (square / (2.0 * count as f64)).sqrt() / tau_s(m)
-    })
+fn deviations(rates_deg_per_h: &[f64]) -> Deviations {
+    let points = overlapping(rates_deg_per_h.iter().copied(), 1.0 / RATE_HZ);
+    std::array::from_fn(|octave| points[octave].deviation)
 }
 
 /// How far two figures are apart, as a factor of at least 1.

@@ -253,3 +253,18 @@ fn units_and_programmes_that_cannot_be_simulated_are_refused() {
         assert_eq!(bench.files(), before, "{args}");
     }
 }
+
+#[test]
+fn a_folder_is_not_replaced_by_a_file() {
+    let bench = Bench::new();
+    bench.write("log.csv", &with_row_300(HEADER, "300,28.1,0.281"));
+    bench.ok("fit log.csv --serial S1 --out set");
+    let ran = bench.run("apply set/coefficients.json log.csv --out set");
+    assert_eq!(ran.code, 2);
+    assert!(
+        ran.err.contains("set is there and is not a regular file"),
+        "{}",
+        ran.err
+    );
+    assert_eq!(bench.files(), ["log.csv", "set"]);
+}

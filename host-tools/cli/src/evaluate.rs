@@ -1,19 +1,22 @@
 //! `tempco evaluate`: how much better the compensated log is.
 
+mod show;
+
 use std::path::PathBuf;
 
-use anyhow::{Result, anyhow, ensure};
-use tempco_fit::apply::apply;
+use anyhow::{Context, Result, ensure};
 use tempco_fit::load_set;
-use tempco_fit::metrics::{Evaluation, evaluate};
+use tempco_fit::metrics::evaluate;
 
 use crate::Verdict;
-use crate::output::{figure, percent, print, table};
+use crate::output::print;
 use crate::shared_args::LogArgs;
 
 /// Judge a coefficient set on a log
 ///
-/// Exits with 1 where the compensation of an axis is no better than none.
+/// Bias stability, residuals, hysteresis, Allan deviation, boundaries and coverage; docs/metrics.md
+/// says what each figure means. Exits with 1 where the compensation of an axis is no better than
+/// none.
 #[derive(clap::Args)]
 pub(crate) struct Args {
     /// Coefficient set (coefficients.json)
@@ -22,6 +25,9 @@ pub(crate) struct Args {
     /// Log to judge on, best one that the set was not fitted to (CSV)
     #[arg(value_name = "LOG.csv")]
     log: PathBuf,
+    /// Set to compare with, such as the one in use; without, the static part of SET
+    #[arg(long, value_name = "SET")]
+    against: Option<PathBuf>,
     /// Averaging time, in s
     #[arg(
         long,
@@ -30,7 +36,7 @@ pub(crate) struct Args {
         allow_negative_numbers = true
     )]
     tau: f64,
-    /// Print one JSON object instead of a table
+    /// Print one JSON object instead of tables
     #[arg(long)]
     json: bool,
     #[command(flatten)]
@@ -44,16 +50,16 @@ pub(crate) fn run(args: &Args) -> Result<Verdict> {
         args.tau
     );
     let set = load_set(&args.set)?;
+    let against = args.against.as_deref().map(load_set).transpose()?;
     let log = args
         .reading
         .read(&args.log, set.settings.scale_factor_arcsec)?;
-    let applied = apply(&set, &log)?;
-    let evaluation = evaluate(&set, &log.time_s, log.interval_s, &applied, args.tau)
-        .map_err(|message| anyhow!("{}: {message}", args.log.display()))?;
+    let evaluation = evaluate(&set, &log, against.as_ref(), args.tau)
+        .with_context(|| args.log.display().to_string())?;
     if args.json {
         print(serde_json::to_string(&evaluation)?)?;
     } else {
-        show(&evaluation)?;
+        show::show(&evaluation)?;
     }
     let worse: Vec<&str> = evaluation
         .axes
@@ -68,43 +74,4 @@ pub(crate) fn run(args: &Args) -> Result<Verdict> {
         );
     }
     Ok(Verdict::of(worse.is_empty()))
-}
-
-fn show(evaluation: &Evaluation) -> Result<()> {
-    let rows = evaluation.axes.iter().zip(&evaluation.max_boundary_jump);
-    let rows = rows.map(|(axis, jump)| {
-        vec![
-            axis.axis.clone(),
-            axis.unit.to_owned(),
-            axis.n.to_string(),
-            figure(axis.sigma_raw),
-            figure(axis.sigma_compensated),
-            percent(axis.improvement),
-            figure(axis.rmse_raw),
-            figure(axis.rmse_compensated),
-            figure(axis.max_abs_compensated),
-            figure(*jump),
-        ]
-    });
-    let header = [
-        "axis",
-        "unit",
-        "n",
-        "sigma raw",
-        "sigma comp.",
-        "improvement",
-        "RMSE raw",
-        "RMSE comp.",
-        "max |error|",
-        "max jump",
-    ];
-    print(table(&header, rows))?;
-    print(format_args!(
-        "figures of {} s means; RMSE about the mean of the log",
-        evaluation.tau_s
-    ))?;
-    for (flag, rows) in &evaluation.status_rows {
-        print(format_args!("status {flag}: {rows} rows"))?;
-    }
-    Ok(())
 }

@@ -8,6 +8,7 @@ use tempco_fit::set::{ChannelSet, MISMATCH_ALARM};
 
 use crate::Verdict;
 use crate::output::{figure, print, table};
+use crate::set_tables::show_coverage;
 
 /// Show a coefficient set: segments, ranges, mismatches, jumps, CRC, provenance
 ///
@@ -84,25 +85,15 @@ fn show_channel(channel: &ChannelSet) -> Result<()> {
             let mut row = vec![
                 format!("{} [{}]", axis.name, axis.unit),
                 format!("{:.2}..{:.2}", segment.t_min_c, segment.t_max_c),
-                segment.rows.to_string(),
-                figure(segment.condition),
             ];
             row.extend(polynomial.raw().map(|value| format!("{value:.4e}")));
             rows.push(row);
         }
     }
-    let header = [
-        "axis",
-        "segment",
-        "rows",
-        "condition",
-        "a0",
-        "a1",
-        "a2",
-        "a3",
-        "a4",
-    ];
+    let header = ["axis", "segment", "a0", "a1", "a2", "a3", "a4"];
     print(table(&header, rows))?;
+    show_sigmas(channel)?;
+    show_coverage(&channel.segments)?;
 
     show_rounding(channel)?;
 
@@ -153,4 +144,33 @@ fn show_rounding(channel: &ChannelSet) -> Result<()> {
         "edges within [degC]",
     ];
     print(table(&header, rows))
+}
+
+/// The uncertainty of each coefficient, in the basis in which the coefficients are independent.
+fn show_sigmas(channel: &ChannelSet) -> Result<()> {
+    let mut rows = Vec::new();
+    for axis in &channel.axes {
+        for (segment, sigmas) in channel.segments.iter().zip(&axis.sigmas) {
+            let mut row = vec![
+                format!("{} [{}]", axis.name, axis.unit),
+                format!("{:.2}..{:.2}", segment.t_min_c, segment.t_max_c),
+            ];
+            let sigmas = sigmas.a.into_iter().chain(sigmas.r);
+            row.extend(sigmas.map(|sigma| match sigma {
+                0.0 => "-".to_owned(),
+                _ => format!("{sigma:.1e}"),
+            }));
+            rows.push(row);
+        }
+    }
+    if rows.is_empty() {
+        return Ok(());
+    }
+    print(
+        "\n1 sigma of the coefficients of 1, z, z^2, T', z T', with z from -1 to 1 over the segment",
+    )?;
+    print(table(
+        &["axis", "segment", "1", "z", "z^2", "T'", "z T'"],
+        rows,
+    ))
 }

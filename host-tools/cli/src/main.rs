@@ -8,6 +8,7 @@ mod fit;
 mod inspect;
 mod output;
 mod replay;
+mod set_tables;
 mod shared_args;
 mod simulate;
 

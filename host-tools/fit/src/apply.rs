@@ -16,8 +16,6 @@ pub struct Applied {
     pub axes: Vec<AxisOutput>,
     /// For each row, the flags of all channels together.
     pub status: Vec<Status>,
-    /// For each channel and row, effective temperature \[degC\] and rate \[degC/min\].
-    pub points: Vec<Vec<(f32, f32)>>,
 }
 
 /// An axis after compensation, all in the unit of the axis.
@@ -39,7 +37,6 @@ pub fn apply(set: &CoefficientSet, log: &Log) -> Result<Applied, ApplyError> {
     let mut applied = Applied {
         axes: Vec::new(),
         status: vec![Status::OK; log.rows()],
-        points: Vec::new(),
     };
     for inputs in inputs(set, log)? {
         macro_rules! run_for {
@@ -131,7 +128,6 @@ fn run<const AXES: usize>(
     unit.start(inputs.temp_c[0]);
 
     let mut axes: [AxisOutput; AXES] = std::array::from_fn(|_| AxisOutput::default());
-    let mut points = Vec::with_capacity(log.rows());
     for (row, (dt_s, &temp_c)) in log.intervals_s().zip(inputs.temp_c).enumerate() {
         let raw = inputs.row::<AXES>(row);
         let out = unit.step(&Interval::new(table.thermal(), dt_s), temp_c, raw);
@@ -141,10 +137,8 @@ fn run<const AXES: usize>(
             output.compensated.push(out.compensated[axis]);
         }
         applied.status[row] |= out.status;
-        points.push((out.point.effective_c, out.point.rate_c_per_min));
     }
     applied.axes.extend(axes);
-    applied.points.push(points);
     Ok(())
 }
 

@@ -1,16 +1,17 @@
 //! The fit: logs in, coefficient set out.
 
-use tempco::{TableError, Thermal, ThermalSettings};
+use tempco::{TableError, ThermalSettings};
 use thiserror::Error;
 
 use crate::apply::ApplyError;
 use crate::assemble::{self, Fitted};
 use crate::log::Log;
 use crate::model::Polynomial;
-use crate::regress::{ChannelData, is_usable};
+use crate::regress::{ChannelData, is_usable, with_every_rate};
 use crate::segment::{Overlap, Segment, SegmentError, Segmentation};
 use crate::set::{
-    AxisSet, ChannelSet, CoefficientSet, Input, Model, Provenance, SegmentSet, Settings,
+    AxisSet, ChannelSet, CoefficientSet, CoefficientSigmas, Input, Model, Provenance, SegmentSet,
+    Settings,
 };
 use crate::solve::{SegmentRows, TERMS};
 use crate::statistics;
@@ -64,12 +65,7 @@ pub fn fit(logs: &[Log], options: &FitOptions) -> Result<Fit, FitError> {
         check_interval(log, &options.thermal)?;
     }
     // While fitting, every rate counts.
-    let open = Thermal::new(ThermalSettings {
-        rate_min_c_per_min: -1e4,
-        rate_max_c_per_min: 1e4,
-        ..options.thermal
-    })
-    .map_err(FitError::Settings)?;
+    let open = with_every_rate(options.thermal).map_err(FitError::Settings)?;
 
     let mut remarks = Vec::new();
     let mut unusable_rows = vec![0; logs.len()];
@@ -125,14 +121,15 @@ fn fit_channel(
     let ranges = segmentation.fit_ranges(options.overlap);
     let mut rows = vec![SegmentRows::new(data.axes()); ranges.len()];
     let mut outside = 0_usize;
-    for (point, raw) in data.rows() {
+    for (interval_s, point, raw) in data.timed_rows() {
         let temp_c = f64::from(point.effective_c);
         let raw: Vec<f64> = raw.collect();
         let mut taken = false;
         for ((segment, range), rows) in segmentation.segments().iter().zip(&ranges).zip(&mut rows) {
             if temp_c >= range.t_min_c && temp_c <= range.t_max_c {
                 let z = (temp_c - segment.centre_c()) / segment.half_width_c();
-                rows.push(z, f64::from(point.rate_c_per_min), raw.iter().copied());
+                let rate = f64::from(point.rate_c_per_min);
+                rows.push(interval_s, z, rate, raw.iter().copied());
                 taken = true;
             }
         }
@@ -148,6 +145,7 @@ fn fit_channel(
 
     let mut segments = Vec::new();
     let mut polynomials = vec![Vec::new(); data.axes()];
+    let mut sigmas = vec![Vec::new(); data.axes()];
     for (segment, rows) in segmentation.segments().iter().zip(rows) {
         let fit = rows
             .fit(options.model.terms(), f64::from(options.thermal.tau_s))
@@ -167,6 +165,9 @@ fn fit_channel(
         for (axis, coefficients) in polynomials.iter_mut().zip(&fit.solution.coefficients) {
             axis.push(Polynomial::new(segment, coefficients));
         }
+        for (axis, found) in sigmas.iter_mut().zip(&fit.solution.sigmas) {
+            axis.push(CoefficientSigmas::new(found));
+        }
         segments.push(SegmentSet {
             t_min_c: segment.t_min_c,
             t_max_c: segment.t_max_c,
@@ -176,6 +177,7 @@ fn fit_channel(
                 .collect(),
             rows: fit.rows,
             condition: fit.solution.condition,
+            coverage: Some(fit.coverage),
         });
     }
 
@@ -198,10 +200,12 @@ fn fit_channel(
         segments,
         axes: axes
             .zip(polynomials)
-            .map(|(axis, polynomials)| AxisSet {
+            .zip(sigmas)
+            .map(|((axis, polynomials), sigmas)| AxisSet {
                 name: axis.name.clone(),
                 unit: axis.unit,
                 polynomials,
+                sigmas,
                 statistics: None,
             })
             .collect(),

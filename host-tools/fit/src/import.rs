@@ -78,6 +78,7 @@ pub(crate) fn static_coefficients(path: &Path, text: &str) -> Result<Coefficient
             .collect(),
         rows: 0,
         condition: 0.0,
+        coverage: None,
     });
     let channel = assemble::channel(
         Fitted {
@@ -89,6 +90,7 @@ pub(crate) fn static_coefficients(path: &Path, text: &str) -> Result<Coefficient
                     name: name.to_lowercase(),
                     unit: AxisUnit::PulsesPerS,
                     polynomials,
+                    sigmas: Vec::new(),
                     statistics: None,
                 })
                 .collect(),

@@ -11,6 +11,7 @@
 //! the fit sees and the biases that `apply` takes out.
 #![forbid(unsafe_code)]
 
+pub mod allan;
 pub mod apply;
 mod assemble;
 pub mod fit;

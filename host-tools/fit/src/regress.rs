@@ -1,6 +1,6 @@
 //! Regressors of a log, computed by the core that flies.
 
-use tempco::{Interval, Status, Thermal, ThermalPoint, ThermalState};
+use tempco::{Interval, Status, TableError, Thermal, ThermalPoint, ThermalSettings, ThermalState};
 
 use crate::log::Log;
 
@@ -14,13 +14,29 @@ const UNUSABLE: [Status; 4] = [
 
 /// Runs a channel's temperatures through the core, starting as firmware does after power-on.
 pub fn thermal_points(log: &Log, channel: usize, thermal: &Thermal) -> Vec<ThermalPoint> {
-    let temps_c = &log.channels[channel].temp_c;
+    points_of(log, &log.channels[channel].temp_c, thermal)
+}
+
+/// Runs one temperature of each row through the core.
+pub(crate) fn points_of(log: &Log, temps_c: &[f32], thermal: &Thermal) -> Vec<ThermalPoint> {
     let mut state = ThermalState::new(thermal);
     state.start(thermal, temps_c[0]);
     log.intervals_s()
         .zip(temps_c)
         .map(|(dt_s, &temp_c)| state.update(thermal, &Interval::new(thermal, dt_s), temp_c))
         .collect()
+}
+
+/// The thermal path with limits that no rate reaches.
+///
+/// # Errors
+/// Settings that the core refuses.
+pub(crate) fn with_every_rate(settings: ThermalSettings) -> Result<Thermal, TableError> {
+    Thermal::new(ThermalSettings {
+        rate_min_c_per_min: -1e4,
+        rate_max_c_per_min: 1e4,
+        ..settings
+    })
 }
 
 /// Whether a row may enter a fit.
@@ -50,6 +66,13 @@ impl<'a> ChannelData<'a> {
 
     /// Usable rows: the point and the values of all axes.
     pub(crate) fn rows(&self) -> impl Iterator<Item = (&ThermalPoint, impl Iterator<Item = f64>)> {
+        self.timed_rows().map(|(_, point, raw)| (point, raw))
+    }
+
+    /// Usable rows with the interval of their log \[s\].
+    pub(crate) fn timed_rows(
+        &self,
+    ) -> impl Iterator<Item = (f64, &ThermalPoint, impl Iterator<Item = f64>)> {
         self.logs
             .iter()
             .zip(&self.points)
@@ -59,7 +82,10 @@ impl<'a> ChannelData<'a> {
                     .iter()
                     .enumerate()
                     .filter(|(_, point)| is_usable(point));
-                usable.map(move |(row, point)| (point, axes.iter().map(move |axis| axis.raw[row])))
+                usable.map(move |(row, point)| {
+                    let raw = axes.iter().map(move |axis| axis.raw[row]);
+                    (log.interval_s, point, raw)
+                })
             })
     }
 

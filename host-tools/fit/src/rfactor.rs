@@ -26,6 +26,8 @@ pub struct RFactor {
 pub struct Solution {
     /// Coefficients of the regressors used, for each observation.
     pub coefficients: Vec<Vec<f64>>,
+    /// Standard deviations of the coefficients, for each observation, if the residuals are white.
+    pub sigmas: Vec<Vec<f64>>,
     /// Root mean square of the residuals, for each observation.
     pub rms: Vec<f64>,
     /// Condition number of the regressors, each scaled to unit length.
@@ -130,8 +132,11 @@ impl RFactor {
         if !condition.is_finite() || condition > 1e10 {
             return None;
         }
+        let inverse = triangle.solve_upper_triangular(&DMatrix::identity(terms, terms))?;
+        let freedom = (self.rows as f64 - terms as f64).max(1.0);
         let mut solution = Solution {
             coefficients: Vec::new(),
+            sigmas: Vec::new(),
             rms: Vec::new(),
             condition,
         };
@@ -141,6 +146,9 @@ impl RFactor {
             let residual = r.view((terms, column), (column + 1 - terms, 1)).norm();
             solution.coefficients.push(coefficients.as_slice().to_vec());
             solution.rms.push(residual / (self.rows as f64).sqrt());
+            let scale = residual / freedom.sqrt();
+            let sigmas = inverse.row_iter().map(|row| scale * row.norm());
+            solution.sigmas.push(sigmas.collect());
         }
         Some(solution)
     }
@@ -193,6 +201,22 @@ mod tests {
             let singular = DMatrix::from_fn(count, 3, |i, j| x[(i, j)] / x.column(j).norm());
             let singular = singular.singular_values();
             assert!((solution.condition * singular.min() / singular.max() - 1.0).abs() < 1e-9);
+        }
+    }
+
+    /// A line through n points at x = +-1 with residuals of +-1: sigma 1 / sqrt(n) of both
+    /// coefficients, but for the two degrees of freedom.
+    #[test]
+    fn sigmas_are_those_of_a_line() {
+        let mut factor = RFactor::new(2, 1);
+        for i in 0..400 {
+            let (x, residual) = (f64::from(i % 2 * 2 - 1), f64::from(i / 2 % 2 * 2 - 1));
+            factor.push([1.0, x, 5.0 + 2.0 * x + 0.1 * residual]);
+        }
+        let solution = factor.solve(2).unwrap();
+        assert!((solution.coefficients[0][1] - 2.0).abs() < 1e-12);
+        for sigma in &solution.sigmas[0] {
+            assert!((sigma - 0.1 / 398.0_f64.sqrt()).abs() < 1e-12, "{sigma}");
         }
     }
 

@@ -3,6 +3,7 @@
 use thiserror::Error;
 
 use crate::rfactor::{RFactor, Solution};
+use crate::set::Coverage;
 
 /// The regressors, in the order in which they are dropped from the end.
 pub const TERMS: [&str; 5] = ["1", "T", "T^2", "T'", "T T'"];
@@ -25,6 +26,7 @@ pub(crate) struct SegmentFit {
     /// Number of leading [`TERMS`] that were fitted.
     pub(crate) terms: usize,
     pub(crate) rows: u64,
+    pub(crate) coverage: Coverage,
     pub(crate) solution: Solution,
 }
 
@@ -33,6 +35,8 @@ pub(crate) struct SegmentFit {
 pub(crate) struct SegmentRows {
     factor: RFactor,
     z_range: (f64, f64),
+    rate_range: (f64, f64),
+    time_s: f64,
 }
 
 impl SegmentRows {
@@ -40,12 +44,23 @@ impl SegmentRows {
         Self {
             factor: RFactor::new(TERMS.len(), axes),
             z_range: (f64::INFINITY, f64::NEG_INFINITY),
+            rate_range: (f64::INFINITY, f64::NEG_INFINITY),
+            time_s: 0.0,
         }
     }
 
-    /// Takes in a row at local coordinate `z`.
-    pub(crate) fn push(&mut self, z: f64, rate_c_per_min: f64, raw: impl Iterator<Item = f64>) {
-        self.z_range = (self.z_range.0.min(z), self.z_range.1.max(z));
+    /// Takes in a row at local coordinate `z` that stands for `interval_s`.
+    pub(crate) fn push(
+        &mut self,
+        interval_s: f64,
+        z: f64,
+        rate_c_per_min: f64,
+        raw: impl Iterator<Item = f64>,
+    ) {
+        let wider = |(low, high): (f64, f64), value: f64| (low.min(value), high.max(value));
+        self.z_range = wider(self.z_range, z);
+        self.rate_range = wider(self.rate_range, rate_c_per_min);
+        self.time_s += interval_s;
         let regressors = [1.0, z, z * z, rate_c_per_min, z * rate_c_per_min];
         self.factor.push(regressors.into_iter().chain(raw));
     }
@@ -76,6 +91,13 @@ impl SegmentRows {
         Ok(SegmentFit {
             terms,
             rows,
+            coverage: Coverage {
+                time_s: self.time_s,
+                width: span,
+                rate_min_c_per_min: self.rate_range.0,
+                rate_max_c_per_min: self.rate_range.1,
+                rate_independent_c_per_min: independence[3].independent,
+            },
             solution,
         })
     }
@@ -98,7 +120,7 @@ mod tests {
         let mut segment = SegmentRows::new(1);
         for (z, rate) in rows {
             let bias = 1.0 + 2.0 * z - 0.5 * z * z + rate * (0.3 + 0.1 * z);
-            segment.push(z, rate, std::iter::once(bias));
+            segment.push(0.5, z, rate, std::iter::once(bias));
         }
         segment.fit(5, 60.0)
     }
@@ -114,6 +136,14 @@ mod tests {
     fn two_rates_give_all_five_terms() {
         let fit = fit(up_and_down(1.0, -0.5)).unwrap();
         assert_eq!((fit.terms, fit.rows), (5, 1002));
+        let coverage = fit.coverage;
+        assert_eq!((coverage.time_s, coverage.width), (501.0, 1.0));
+        assert_eq!(
+            (coverage.rate_min_c_per_min, coverage.rate_max_c_per_min),
+            (-0.5, 1.0)
+        );
+        // Two rates 1.5 apart, each half of the time and all over the segment.
+        assert!((coverage.rate_independent_c_per_min - 0.75).abs() < 0.01);
         let expected = [1.0, 2.0, -0.5, 0.3, 0.1];
         for (found, expected) in fit.solution.coefficients[0].iter().zip(expected) {
             assert!((found - expected).abs() < 1e-10);

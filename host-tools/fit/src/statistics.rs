@@ -8,6 +8,10 @@ use crate::rfactor::RFactor;
 use crate::segment::Segment;
 use crate::set::{AxisStatistics, CoefficientSet};
 
+/// Degrees of freedom that the spread of means must have to scale uncertainties: it is then known
+/// to 22 %.
+const LEAST_FREEDOM: usize = 10;
+
 /// Applies the set to the logs by the core and notes the figures of each axis in it.
 pub(crate) fn note(
     set: &mut CoefficientSet,
@@ -32,6 +36,10 @@ pub(crate) fn note(
                 let values = cubics.residuals(data, position, of_channel);
                 cubic.add(log, tau_s, values);
             }
+            let serial_factor = compensated.serial_factor();
+            for sigmas in &mut axis.sigmas {
+                sigmas.scale(serial_factor.unwrap_or(1.0));
+            }
             axis.statistics = Some(AxisStatistics {
                 rows: raw.rows,
                 rmse_raw: raw.rmse(),
@@ -42,6 +50,7 @@ pub(crate) fn note(
                 sigma_raw: raw.sigma(),
                 sigma_cubic: cubic.sigma(),
                 sigma_compensated: compensated.sigma(),
+                serial_factor,
             });
             number += 1;
         }
@@ -82,6 +91,14 @@ impl Pool {
             0 => 0.0,
             freedom => (self.mean_squares / freedom as f64).sqrt(),
         }
+    }
+
+    /// The spread of the means over what it would be of independent rows.
+    fn serial_factor(&self) -> Option<f64> {
+        let rows_per_mean = self.rows as f64 / self.means as f64;
+        let factor = self.sigma() * rows_per_mean.sqrt() / self.rmse();
+        let enough = self.means >= self.logs + LEAST_FREEDOM;
+        (enough && factor.is_finite() && factor > 0.0).then_some(factor)
     }
 }
 

@@ -36,6 +36,21 @@ impl AxisUnit {
         }
     }
 
+    /// The unit in which the random walk of the axis's integral is stated, and what a figure in
+    /// this unit times sqrt(s) is multiplied by: angle random walk of a gyro, velocity random walk
+    /// of an accelerometer.
+    pub const fn random_walk(self) -> (&'static str, f64) {
+        const DEG_PER_RAD: f64 = 180.0 / std::f64::consts::PI;
+        match self {
+            Self::Dph => ("deg/sqrt(h)", 1.0 / 60.0),
+            Self::Dps => ("deg/sqrt(h)", 60.0),
+            Self::Radps => ("deg/sqrt(h)", 60.0 * DEG_PER_RAD),
+            Self::PulsesPerS => ("pulses/sqrt(s)", 1.0),
+            Self::Mps2 => ("m/s/sqrt(h)", 60.0),
+            Self::G => ("g/sqrt(Hz)", 1.0),
+        }
+    }
+
     /// The unit as a person writes it.
     pub const fn symbol(self) -> &'static str {
         match self {

@@ -6,6 +6,7 @@ mod cycles;
 mod demo;
 mod figure;
 mod golden;
+mod paper;
 mod prove;
 mod run;
 mod test;
@@ -32,6 +33,8 @@ enum Task {
     Check,
     /// The same bits on hosts and targets, over ten million samples
     Golden(golden::Args),
+    /// The paper's tables on a simulated unit, beside the printed ones
+    Paper(paper::Args),
     /// Executed instructions on the target, rows per second on the host
     Bench(bench::Args),
     /// Proofs on the compiled core by two solvers, bounds on rounding; skips what is not there
@@ -44,6 +47,7 @@ fn main() -> ExitCode {
         Task::Test => test::run(),
         Task::Check => check::run(),
         Task::Golden(args) => golden::run(&args),
+        Task::Paper(args) => paper::run(&args),
         Task::Bench(args) => bench::run(&args),
         Task::Prove(args) => prove::run(&args),
     };

@@ -140,6 +140,12 @@ fn replace_all(folder: &Path, files: &[(&str, &[u8])]) -> io::Result<()> {
         file.write_all(contents)?;
         file.as_file().sync_all()?;
         let path = folder.join(name);
+        // Moving a file to the name of a device or pipe would put the file in its place.
+        if fs::metadata(&path).is_ok_and(|former| !former.is_file()) {
+            return Err(io::Error::other(format!(
+                "{name} is there and is not a regular file"
+            )));
+        }
         let former = match fs::read(&path) {
             Ok(former) => Some(former),
             Err(error) if error.kind() == io::ErrorKind::NotFound => None,
@@ -196,6 +202,20 @@ mod tests {
         assert!(write_files(&out, &[("a", b"3"), ("b", b"4")]).is_err());
         assert_eq!(fs::read(out.join("a")).unwrap(), b"1");
         assert_eq!(fs::read_dir(&out).unwrap().count(), 2);
+    }
+
+    /// A socket stands for devices and pipes, which take more to make.
+    #[cfg(unix)]
+    #[test]
+    fn what_is_not_a_regular_file_is_not_replaced() {
+        use std::os::unix::fs::FileTypeExt;
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("special");
+        let _socket = std::os::unix::net::UnixListener::bind(&path).unwrap();
+        let error = write_files(folder.path(), &[("special", b"1")]).unwrap_err();
+        assert!(error.to_string().contains("not a regular file"), "{error}");
+        assert!(fs::metadata(&path).unwrap().file_type().is_socket());
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
     }
 
     #[test]

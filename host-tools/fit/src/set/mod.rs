@@ -142,6 +142,26 @@ pub struct SegmentSet {
     pub rows: u64,
     /// Condition number of the fit; 0 in an imported set.
     pub condition: f64,
+    /// What the rows cover; none in an imported set.
+    #[serde(default)]
+    pub coverage: Option<Coverage>,
+}
+
+/// What the rows of a segment cover.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Coverage {
+    /// Time that the rows stand for \[s\].
+    pub time_s: f64,
+    /// Share of the segment's width from the coldest row to the hottest, 0 to 1.
+    pub width: f64,
+    /// Lowest rate \[degC/min\].
+    pub rate_min_c_per_min: f64,
+    /// Highest rate \[degC/min\].
+    pub rate_max_c_per_min: f64,
+    /// Spread of the rate: root mean square of the part that the temperature does not tell
+    /// \[degC/min\]. This is what the rate terms are found from.
+    pub rate_independent_c_per_min: f64,
 }
 
 /// One axis as fitted.
@@ -154,8 +174,42 @@ pub struct AxisSet {
     pub unit: AxisUnit,
     /// The polynomial of each segment.
     pub polynomials: Vec<Polynomial>,
+    /// Standard deviations of the coefficients of each polynomial; empty in an imported set.
+    #[serde(default)]
+    pub sigmas: Vec<CoefficientSigmas>,
     /// How well the set does on the logs it was fitted to; none in an imported set.
     pub statistics: Option<AxisStatistics>,
+}
+
+/// Standard deviations (1 sigma) of the coefficients of a
+/// [`Polynomial`], in its basis; 0 for terms that were not fitted.
+///
+/// Those of least squares, which hold for white residuals, times the
+/// [`serial_factor`](AxisStatistics::serial_factor) of the axis.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CoefficientSigmas {
+    /// Of the static coefficients, lowest power first \[unit of the axis\].
+    pub a: [f64; 3],
+    /// Of the rate coefficients, lowest power first \[unit of the axis per degC/min\].
+    pub r: [f64; 2],
+}
+
+impl CoefficientSigmas {
+    /// From the leading coefficients of `1, z, z^2, T', z T'`.
+    pub(crate) fn new(sigmas: &[f64]) -> Self {
+        let at = |term: usize| sigmas.get(term).copied().unwrap_or(0.0);
+        Self {
+            a: [at(0), at(1), at(2)],
+            r: [at(3), at(4)],
+        }
+    }
+
+    pub(crate) fn scale(&mut self, factor: f64) {
+        for sigma in self.a.iter_mut().chain(&mut self.r) {
+            *sigma *= factor;
+        }
+    }
 }
 
 /// Figures of an axis over the fitted logs \[unit of the axis\].
@@ -183,9 +237,36 @@ pub struct AxisStatistics {
     pub sigma_cubic: f64,
     /// Bias stability at `tau_s` with the emitted table, applied by the core.
     pub sigma_compensated: f64,
+    /// Standard deviation of the means of what remains, over that of means of as many independent
+    /// rows: above 1 where neighbouring residuals resemble each other, below 1 where counting
+    /// whole pulses sets them apart. None where there are too few means to tell.
+    #[serde(default)]
+    pub serial_factor: Option<f64>,
 }
 
 impl CoefficientSet {
+    /// The same set without its use of the rate of temperature: rate terms and `kappa` at 0. None
+    /// where it makes no use of it.
+    pub fn static_part(&self) -> Option<Self> {
+        let mut part = self.clone();
+        for channel in &mut part.channels {
+            channel.table.thermal.kappa = 0.0;
+            for terms in channel.table.cells.iter_mut().flatten() {
+                (terms[3], terms[4]) = (0.0, 0.0);
+            }
+            for polynomial in channel
+                .axes
+                .iter_mut()
+                .flat_map(|axis| &mut axis.polynomials)
+            {
+                polynomial.r = [0.0; 2];
+            }
+        }
+        part.settings.model = Model::Static;
+        part.table_crc32 = format!("{:08x}", part.crc32());
+        (part.table_crc32 != self.table_crc32).then_some(part)
+    }
+
     /// Reads a set from the text of `coefficients.json`.
     ///
     /// # Errors

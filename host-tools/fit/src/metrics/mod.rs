@@ -1,0 +1,375 @@
+//! Figures of merit of a set on a log. None of them is a figure without its method and averaging
+//! time; `docs/metrics.md` says for each what it means and what a bad value tells.
+
+mod correlation;
+mod curve;
+mod hysteresis;
+mod means;
+mod measured;
+mod reference;
+mod stability;
+
+pub use correlation::Correlation;
+pub use curve::{AllanCurves, AllanOfAxis};
+pub use hysteresis::Hysteresis;
+pub use measured::Measured;
+pub use stability::{Sigmas, Stability};
+
+pub(crate) use means::Means;
+
+use serde::Serialize;
+use thiserror::Error;
+
+use crate::apply::{Applied, ApplyError, ChannelInputs, apply, inputs};
+use crate::log::Log;
+use crate::regress::{points_of, with_every_rate};
+use crate::set::{ChannelSet, CoefficientSet, CoefficientSigmas, SegmentSet};
+use crate::unit::AxisUnit;
+use correlation::pearson;
+use hysteresis::Bins;
+use reference::Reference;
+
+/// Averaging times at which the bias stability is always stated \[s\], beside the one asked for.
+const TAUS_S: [f64; 2] = [10.0, 100.0];
+
+/// How a set does on a log.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Evaluation {
+    /// The log, and whether the set was fitted to it.
+    pub log: JudgedLog,
+    /// Averaging time of the figures that do not state their own \[s\].
+    pub tau_s: f64,
+    /// What the compensation is compared with, beside none: see [`evaluate`].
+    pub reference: String,
+    /// The axes in the order of the set.
+    pub axes: Vec<AxisEvaluation>,
+    /// Largest jump of each axis's bias between neighbouring cells of its table, at zero, lowest
+    /// and highest rate \[unit of the axis\].
+    pub max_boundary_jump: Vec<f64>,
+    /// For each flag that occurred, the number of rows with it.
+    pub status_rows: Vec<(&'static str, usize)>,
+    /// For each temperature channel, the segments and what of them the fit had seen.
+    pub segments: Vec<Vec<SegmentSet>>,
+}
+
+/// The log that a set is judged on.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct JudgedLog {
+    /// Name of the file.
+    pub file: String,
+    /// SHA-256 of the file.
+    pub sha256: String,
+    /// Rows.
+    pub rows: usize,
+    /// Whether the set was fitted to it.
+    pub role: Role,
+}
+
+/// What a log is to a set.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Role {
+    /// Its hash is among the inputs of the set: the figures are those of a fit, not of a forecast.
+    Training,
+    /// Its hash is not among them: the figures are out of sample.
+    Verification,
+}
+
+/// Figures of one axis \[unit of the axis\].
+///
+/// `sigma` is the sample standard deviation of the non-overlapping `tau`-means, the bias
+/// stability at `tau`; `rmse` is their root mean square about the axis's mean over the log, since
+/// a constant turn-on bias is not thermal.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct AxisEvaluation {
+    /// Name.
+    pub axis: String,
+    /// Unit.
+    pub unit: AxisUnit,
+    /// Number of `tau`-means.
+    pub n: usize,
+    /// Bias stability without compensation.
+    pub sigma_raw: f64,
+    /// Bias stability with compensation.
+    pub sigma_compensated: f64,
+    /// `1 - sigma_compensated / sigma_raw`; negative where compensation does harm.
+    pub improvement: f64,
+    /// RMS without compensation.
+    pub rmse_raw: f64,
+    /// RMS with compensation.
+    pub rmse_compensated: f64,
+    /// Largest deviation of a `tau`-mean with compensation.
+    pub max_abs_compensated: f64,
+    /// Largest deviation of a `tau`-mean without compensation.
+    pub max_abs_raw: f64,
+    /// Bias stability at 10 s, 100 s and the `tau` asked for.
+    pub bias_stability: Vec<Stability>,
+    /// Correlation of the `tau`-means with the temperature and its rate, without compensation.
+    pub correlation_raw: Measured<Correlation>,
+    /// The same of what remains; about 0 where the set has taken out what follows temperature.
+    pub correlation_compensated: Measured<Correlation>,
+    /// Heating against cooling.
+    pub hysteresis: Measured<Hysteresis>,
+    /// Allan deviations.
+    pub allan: AllanOfAxis,
+    /// Disagreement and jump at each boundary between segments, coldest first.
+    pub boundaries: Vec<Boundary>,
+    /// For each segment, the standard deviations of its coefficients; empty in an imported set.
+    pub coefficient_sigmas: Vec<CoefficientSigmas>,
+}
+
+/// What happens between two segments \[unit of the axis\].
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Boundary {
+    /// Cold end of the overlap \[degC\].
+    pub t_min_c: f64,
+    /// Hot end of the overlap \[degC\].
+    pub t_max_c: f64,
+    /// Largest difference of the static polynomials over the overlap.
+    pub overlap_mismatch: f64,
+    /// Largest jump of the table within the overlap, its ends included, at zero, lowest and
+    /// highest rate, in the core's own arithmetic.
+    pub jump: f64,
+}
+
+impl AxisEvaluation {
+    /// Whether the compensation is better than none.
+    pub fn is_acceptable(&self) -> bool {
+        self.sigma_compensated < self.sigma_raw
+    }
+}
+
+/// Evaluates `set` on `log`, both run through the core.
+///
+/// The improvement is stated against no compensation and against a reference: `against`, if given,
+/// else the static part of `set` (its rate terms and `kappa` at 0), which is what a compensation
+/// by temperature alone would do.
+///
+/// # Errors
+/// A log without an axis or temperature of a set, rows further apart than `tau_s`, fewer than two
+/// full stretches of `tau_s`.
+pub fn evaluate(
+    set: &CoefficientSet,
+    log: &Log,
+    against: Option<&CoefficientSet>,
+    tau_s: f64,
+) -> Result<Evaluation, EvaluateError> {
+    if log.interval_s > tau_s * (1.0 + 1e-9) {
+        return Err(EvaluateError::Interval {
+            interval_s: log.interval_s,
+            tau_s,
+        });
+    }
+    let mut taus_s: Vec<f64> = TAUS_S.into_iter().chain([tau_s]).collect();
+    taus_s.sort_by(f64::total_cmp);
+    taus_s.dedup();
+    // First and alone, so that two compensated logs are never held at a time.
+    let reference = Reference::new(set, log, against, &taus_s)?;
+    let applied = apply(set, log)?;
+    let mut axes = Vec::new();
+    let mut number = 0;
+    for inputs in inputs(set, log)? {
+        let channel = inputs.channel;
+        let shared = OfChannel::new(log, &inputs, tau_s)?;
+        for of_channel in 0..channel.axes.len() {
+            let judged = Judged {
+                log,
+                applied: &applied,
+                number,
+                channel,
+                of_channel,
+            };
+            axes.push(judged.evaluate(&shared, &reference, &taus_s, tau_s)?);
+            number += 1;
+        }
+    }
+    Ok(Evaluation {
+        log: judged_log(set, log),
+        tau_s,
+        reference: reference.name,
+        max_boundary_jump: max_boundary_jump(set),
+        status_rows: status_rows(&applied),
+        segments: set.channels.iter().map(|c| c.segments.clone()).collect(),
+        axes,
+    })
+}
+
+fn judged_log(set: &CoefficientSet, log: &Log) -> JudgedLog {
+    let mut inputs = set.provenance.inputs.iter();
+    JudgedLog {
+        file: log.file.clone(),
+        sha256: log.sha256.clone(),
+        rows: log.rows(),
+        role: if inputs.any(|input| input.sha256 == log.sha256) {
+            Role::Training
+        } else {
+            Role::Verification
+        },
+    }
+}
+
+fn max_boundary_jump(set: &CoefficientSet) -> Vec<f64> {
+    let channels = set.channels.iter();
+    channels
+        .flat_map(|channel| {
+            let axes = 0..channel.axes.len();
+            axes.map(|axis| f64::from(channel.table.max_jump(axis)))
+        })
+        .collect()
+}
+
+fn status_rows(applied: &Applied) -> Vec<(&'static str, usize)> {
+    tempco::Status::NAMES
+        .iter()
+        .map(|&(flag, name)| {
+            let rows = applied.status.iter().filter(|status| status.contains(flag));
+            (name, rows.count())
+        })
+        .filter(|&(_, rows)| rows > 0)
+        .collect()
+}
+
+/// What the axes of a channel have in common.
+struct OfChannel {
+    bins: Bins,
+    temperatures: Vec<f64>,
+    rates: Vec<f64>,
+}
+
+impl OfChannel {
+    /// The rate is the core's before it is clamped to the calibrated range: what the figures tell
+    /// of the log does not depend on the set's limits.
+    fn new(log: &Log, inputs: &ChannelInputs, tau_s: f64) -> Result<Self, ApplyError> {
+        let settings = inputs.channel.table.thermal;
+        let thermal = with_every_rate(settings.into())?;
+        let points: Vec<(f32, f32)> = points_of(log, inputs.temp_c, &thermal)
+            .into_iter()
+            .map(|point| (point.effective_c, point.rate_c_per_min))
+            .collect();
+        let means = |figure: fn(&(f32, f32)) -> f32| {
+            let values = points.iter().map(|point| f64::from(figure(point)));
+            Means::new(&log.time_s, log.interval_s, values, tau_s).means
+        };
+        Ok(Self {
+            bins: Bins::new(&points, log.interval_s, settings.tau_s.into()),
+            temperatures: means(|point| point.0),
+            rates: means(|point| point.1),
+        })
+    }
+
+    fn correlation(&self, means: &Means) -> Measured<Correlation> {
+        let temperature = pearson(&means.means, &self.temperatures);
+        let rate = pearson(&means.means, &self.rates);
+        let both = temperature.zip(rate);
+        Measured::or(
+            both.map(|(temperature, rate)| Correlation { temperature, rate }),
+            || "the temperature, its rate or the axis does not move".to_owned(),
+        )
+    }
+}
+
+/// One axis of a compensated log.
+struct Judged<'a> {
+    log: &'a Log,
+    applied: &'a Applied,
+    /// Among all axes.
+    number: usize,
+    channel: &'a ChannelSet,
+    /// Among those of the channel.
+    of_channel: usize,
+}
+
+impl Judged<'_> {
+    fn evaluate(
+        &self,
+        shared: &OfChannel,
+        reference: &Reference,
+        taus_s: &[f64],
+        tau_s: f64,
+    ) -> Result<AxisEvaluation, EvaluateError> {
+        let axis = &self.channel.axes[self.of_channel];
+        let output = &self.applied.axes[self.number];
+        let [raw, compensated] =
+            [&output.raw, &output.compensated].map(|values| Means::of_f32(self.log, values, tau_s));
+        if raw.means.len() < 2 {
+            return Err(EvaluateError::Stretches {
+                n: raw.means.len(),
+                tau_s,
+            });
+        }
+        Ok(AxisEvaluation {
+            axis: axis.name.clone(),
+            unit: axis.unit,
+            n: raw.means.len(),
+            sigma_raw: raw.sigma(),
+            sigma_compensated: compensated.sigma(),
+            improvement: 1.0 - compensated.sigma() / raw.sigma(),
+            rmse_raw: raw.rmse(),
+            rmse_compensated: compensated.rmse(),
+            max_abs_compensated: compensated.max_abs(),
+            max_abs_raw: raw.max_abs(),
+            bias_stability: taus_s
+                .iter()
+                .map(|&tau_s| {
+                    let reference = reference.sigma(&axis.name, tau_s);
+                    Stability::new(self.log, output, reference, tau_s)
+                })
+                .collect(),
+            correlation_raw: shared.correlation(&raw),
+            correlation_compensated: shared.correlation(&compensated),
+            hysteresis: Measured::or(
+                shared.bins.compare(&output.raw, &output.compensated),
+                || "no bin of temperature was passed both ways for 30 s or more".to_owned(),
+            ),
+            allan: AllanOfAxis::new(self.log, output, axis.unit),
+            boundaries: self.boundaries(),
+            coefficient_sigmas: axis.sigmas.clone(),
+        })
+    }
+
+    fn boundaries(&self) -> Vec<Boundary> {
+        let jumps = self.channel.table.jumps(self.of_channel);
+        let mismatches = self.channel.mismatches(self.of_channel);
+        let boundary = |mismatch: crate::model::Mismatch| {
+            let (t_min_c, t_max_c) = (mismatch.t_min_c, mismatch.t_max_c);
+            // A boundary may have been moved to the nearest edge of a cell.
+            let slack_c = self.channel.boundary_moved_c + 1e-3;
+            let range_c = t_min_c - slack_c..=t_max_c + slack_c;
+            let within = jumps
+                .iter()
+                .filter(|(temp_c, _)| range_c.contains(&f64::from(*temp_c)));
+            Boundary {
+                t_min_c,
+                t_max_c,
+                overlap_mismatch: mismatch.overlap_mismatch,
+                jump: within.map(|&(_, jump)| f64::from(jump)).fold(0.0, f64::max),
+            }
+        };
+        mismatches.into_iter().map(boundary).collect()
+    }
+}
+
+/// A set cannot be evaluated on a log.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum EvaluateError {
+    /// The log does not have what the set compensates.
+    #[error(transparent)]
+    Apply(#[from] ApplyError),
+    /// The rows are too far apart.
+    #[error("rows are {interval_s} s apart: expected a --tau of that or more, not {tau_s} s")]
+    Interval {
+        /// Median time between rows \[s\].
+        interval_s: f64,
+        /// Averaging time \[s\].
+        tau_s: f64,
+    },
+    /// The log is too short.
+    #[error("{n} full stretches of {tau_s} s in the log: expected 2 or more, or a smaller --tau")]
+    Stretches {
+        /// Full stretches in the log.
+        n: usize,
+        /// Averaging time \[s\].
+        tau_s: f64,
+    },
+}
