@@ -11,6 +11,18 @@ fn sigma(evaluation: &Value, axis: usize, name: &str) -> f64 {
     evaluation["axes"][axis][name].as_f64().unwrap()
 }
 
+/// The log with its x pulses changed.
+fn with_x_pulses(log: &str, change: impl Fn(i64) -> i64) -> String {
+    let lines = log.lines().map(|line| {
+        let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
+        if let Ok(pulses) = cells[2].parse() {
+            cells[2] = change(pulses).to_string();
+        }
+        cells.join(",")
+    });
+    lines.collect::<Vec<_>>().join("\n")
+}
+
 #[test]
 fn composite_beats_static_and_static_beats_nothing_on_x() {
     let bench = Bench::new();
@@ -49,18 +61,9 @@ fn a_worse_set_is_rejected_by_exit_code() {
     let bench = Bench::new();
     bench.ok("simulate --unit paper --profile short --seed 3 --out log.csv");
     let log = std::fs::read_to_string(bench.path("log.csv")).unwrap();
-    // The x column with its sign changed: what the set takes out is then what it should put in.
-    let turned: Vec<String> = log
-        .lines()
-        .map(|line| {
-            let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
-            if let Ok(pulses) = cells[2].parse::<i64>() {
-                cells[2] = (-pulses).to_string();
-            }
-            cells.join(",")
-        })
-        .collect();
-    bench.write("turned.csv", &turned.join("\n"));
+    // What the set takes out is then what it should put in.
+    let turned = with_x_pulses(&log, |pulses| -pulses);
+    bench.write("turned.csv", &turned);
     bench.ok("fit log.csv --serial S1 --out set --segments 6:45");
     bench.ok("evaluate set/coefficients.json log.csv");
     let ran = bench.run("evaluate set/coefficients.json turned.csv");
@@ -179,17 +182,8 @@ fn rounding_that_matters_is_remarked_on() {
     bench.ok("simulate --unit paper --profile short --seed 3 --out log.csv");
     let log = std::fs::read_to_string(bench.path("log.csv")).unwrap();
     // So large a constant on x that an f32 of it is coarse beside what is to be removed.
-    let shifted: Vec<String> = log
-        .lines()
-        .map(|line| {
-            let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
-            if let Ok(pulses) = cells[2].parse::<i64>() {
-                cells[2] = (pulses + 30_000).to_string();
-            }
-            cells.join(",")
-        })
-        .collect();
-    bench.write("shifted.csv", &shifted.join("\n"));
+    let shifted = with_x_pulses(&log, |pulses| pulses + 30_000);
+    bench.write("shifted.csv", &shifted);
     for (file, remarked) in [("log.csv", false), ("shifted.csv", true)] {
         let ran = bench.run(&format!(
             "fit {file} --serial S1 --segments 5:45 --out {file}.set"

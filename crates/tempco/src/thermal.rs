@@ -13,6 +13,11 @@ use crate::{Interval, Status};
 /// Physical settings of the thermal path, as the fit used them and the firmware must.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(deny_unknown_fields)
+)]
 pub struct ThermalSettings {
     /// Lowest temperature the sensor can report \[degC\]; below it the sensor is taken as broken.
     pub sensor_min_c: f32,

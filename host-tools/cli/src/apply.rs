@@ -6,13 +6,12 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result};
 use tempco::Status;
 use tempco_fit::apply::{Applied, apply, inputs};
-use tempco_fit::load_set;
 use tempco_fit::log::Log;
 use tempco_fit::set::{CoefficientSet, write_files};
 
 use crate::Verdict;
 use crate::output::print;
-use crate::shared_args::LogArgs;
+use crate::shared_args::SetAndLog;
 
 /// Compensate a log with a coefficient set, by the code that flies
 ///
@@ -20,24 +19,16 @@ use crate::shared_args::LogArgs;
 /// of each axis, and status (`ok` or the flags joined by `+`).
 #[derive(clap::Args)]
 pub(crate) struct Args {
-    /// Coefficient set (coefficients.json)
-    #[arg(value_name = "SET")]
-    set: PathBuf,
-    /// Log to compensate (CSV)
-    #[arg(value_name = "LOG.csv")]
-    log: PathBuf,
     /// Where to write the result
     #[arg(long, value_name = "OUT.csv")]
     out: PathBuf,
+    // Last, since what follows would stand under its heading.
     #[command(flatten)]
-    reading: LogArgs,
+    put: SetAndLog,
 }
 
 pub(crate) fn run(args: &Args) -> Result<Verdict> {
-    let set = load_set(&args.set)?;
-    let log = args
-        .reading
-        .read(&args.log, set.settings.scale_factor_arcsec)?;
+    let (set, log) = args.put.read()?;
     let applied = apply(&set, &log)?;
     write_csv(&args.out, &to_csv(&set, &log, &applied)?)?;
     let remarked = applied.status.iter().filter(|s| **s != Status::OK).count();

@@ -10,7 +10,7 @@ use tempco_fit::metrics::evaluate;
 
 use crate::Verdict;
 use crate::output::print;
-use crate::shared_args::LogArgs;
+use crate::shared_args::SetAndLog;
 
 /// Judge a coefficient set on a log
 ///
@@ -19,12 +19,6 @@ use crate::shared_args::LogArgs;
 /// none.
 #[derive(clap::Args)]
 pub(crate) struct Args {
-    /// Coefficient set (coefficients.json)
-    #[arg(value_name = "SET")]
-    set: PathBuf,
-    /// Log to judge on, best one that the set was not fitted to (CSV)
-    #[arg(value_name = "LOG.csv")]
-    log: PathBuf,
     /// Set to compare with, such as the one in use; without, the static part of SET
     #[arg(long, value_name = "SET")]
     against: Option<PathBuf>,
@@ -39,8 +33,9 @@ pub(crate) struct Args {
     /// Print one JSON object instead of tables
     #[arg(long)]
     json: bool,
+    // Last, since what follows would stand under its heading.
     #[command(flatten)]
-    reading: LogArgs,
+    put: SetAndLog,
 }
 
 pub(crate) fn run(args: &Args) -> Result<Verdict> {
@@ -49,13 +44,10 @@ pub(crate) fn run(args: &Args) -> Result<Verdict> {
         "--tau {}: expected seconds, above 0",
         args.tau
     );
-    let set = load_set(&args.set)?;
+    let (set, log) = args.put.read()?;
     let against = args.against.as_deref().map(load_set).transpose()?;
-    let log = args
-        .reading
-        .read(&args.log, set.settings.scale_factor_arcsec)?;
     let evaluation = evaluate(&set, &log, against.as_ref(), args.tau)
-        .with_context(|| args.log.display().to_string())?;
+        .with_context(|| args.put.log.display().to_string())?;
     if args.json {
         print(serde_json::to_string(&evaluation)?)?;
     } else {

@@ -1,12 +1,9 @@
 //! `tempco replay`: the same log through the firmware and through the host, bit by bit.
 
-use std::path::PathBuf;
-
 use anyhow::{Context, Result, anyhow, ensure};
 use clap::ValueEnum;
 use tempco::Table;
 use tempco_fit::apply::{ChannelInputs, inputs};
-use tempco_fit::load_set;
 use tempco_fit::log::Log;
 use tempco_fit::set::{CoefficientSet, table_rs, write_files};
 use tempco_qemu::{Board, Workspace, build, ensure_qemu, ensure_target_of, replay};
@@ -14,7 +11,7 @@ use tempco_replay::{Header, Outcome, Record, Replay, Sample};
 
 use crate::Verdict;
 use crate::output::print;
-use crate::shared_args::LogArgs;
+use crate::shared_args::SetAndLog;
 
 /// Run a log through the firmware and compare every result with the host, bit for bit
 ///
@@ -22,20 +19,15 @@ use crate::shared_args::LogArgs;
 /// is missing (compiler target, emulator) is installed. Exits with 1 where a result differs.
 #[derive(clap::Args)]
 pub(crate) struct Args {
-    /// Coefficient set (coefficients.json)
-    #[arg(value_name = "SET")]
-    set: PathBuf,
-    /// Log to replay (CSV)
-    #[arg(value_name = "LOG.csv")]
-    log: PathBuf,
     /// Where the firmware runs
     #[arg(long, value_enum)]
     target: Target,
     /// Board to build for: mps2-an386, stm32f405, mps2-an500 or mps2-an505
     #[arg(long, default_value = "mps2-an386")]
     board: Board,
+    // Last, since what follows would stand under its heading.
     #[command(flatten)]
-    reading: LogArgs,
+    put: SetAndLog,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -45,10 +37,7 @@ enum Target {
 }
 
 pub(crate) fn run(args: &Args) -> Result<Verdict> {
-    let set = load_set(&args.set)?;
-    let log = args
-        .reading
-        .read(&args.log, set.settings.scale_factor_arcsec)?;
+    let (set, log) = args.put.read()?;
     let inputs = inputs(&set, &log)?;
     let Target::Qemu = args.target;
 

@@ -1,10 +1,36 @@
-//! Arguments that several commands share: how to read a log.
+//! Arguments that several commands share: a set and a log, and how to read a log.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Result, ensure};
+use tempco_fit::load_set;
 use tempco_fit::log::{AxisColumn, Log, Mapping, ReadOptions, TempColumn, read_log};
+use tempco_fit::set::CoefficientSet;
 use tempco_fit::unit::COLUMN_UNITS;
+
+/// A set, and a log it is put to.
+#[derive(clap::Args)]
+pub(crate) struct SetAndLog {
+    /// Coefficient set (coefficients.json)
+    #[arg(value_name = "SET")]
+    pub(crate) set: PathBuf,
+    /// Log of the unit (CSV)
+    #[arg(value_name = "LOG.csv")]
+    pub(crate) log: PathBuf,
+    #[command(flatten)]
+    pub(crate) reading: LogArgs,
+}
+
+impl SetAndLog {
+    /// Reads both; pulses become angles by the scale factor of the set, unless another is given.
+    pub(crate) fn read(&self) -> Result<(CoefficientSet, Log)> {
+        let set = load_set(&self.set)?;
+        let log = self
+            .reading
+            .read(&self.log, set.settings.scale_factor_arcsec)?;
+        Ok((set, log))
+    }
+}
 
 /// How to read a log whose columns are not named `time_s`, `temp_c` and `NAME_UNIT`.
 #[derive(clap::Args)]

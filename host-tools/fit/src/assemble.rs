@@ -44,7 +44,7 @@ pub(crate) fn channel(
         temperature: fitted.temperature,
         segments: fitted.segments,
         table: TableData {
-            thermal: thermal.into(),
+            thermal,
             first_edge_c,
             last_edge_c,
             t_min_c: calibrated_c.0.max(first_edge_c),

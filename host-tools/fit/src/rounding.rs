@@ -144,7 +144,6 @@ fn slope([_, a1, a2, _, r1]: [f64; 5], rate: f64, beyond: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::set::ThermalData;
     use proptest::prelude::*;
     use tempco::{ThermalPoint, ThermalSettings};
 
@@ -155,7 +154,7 @@ mod tests {
             ..ThermalSettings::DEFAULT
         };
         TableData {
-            thermal: ThermalData::from(settings),
+            thermal: settings,
             first_edge_c: edges.0,
             last_edge_c: edges.1,
             t_min_c: edges.0,

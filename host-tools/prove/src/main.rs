@@ -104,7 +104,7 @@ fn example_table() -> Result<TableData> {
         axes.collect()
     });
     let data = TableData {
-        thermal: (*table.thermal().settings()).into(),
+        thermal: *table.thermal().settings(),
         first_edge_c: table.t_min_c(),
         last_edge_c: table.t_max_c(),
         t_min_c: table.t_min_c(),

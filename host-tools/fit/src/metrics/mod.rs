@@ -241,7 +241,7 @@ impl OfChannel {
     /// of the log does not depend on the set's limits.
     fn new(log: &Log, inputs: &ChannelInputs, tau_s: f64) -> Result<Self, ApplyError> {
         let settings = inputs.channel.table.thermal;
-        let thermal = with_every_rate(settings.into())?;
+        let thermal = with_every_rate(settings)?;
         let points: Vec<(f32, f32)> = points_of(log, inputs.temp_c, &thermal)
             .into_iter()
             .map(|point| (point.effective_c, point.rate_c_per_min))

@@ -5,6 +5,7 @@ use std::fs;
 use std::io::{self, Write as _};
 use std::path::Path;
 
+use super::table::named;
 use super::{ChannelSet, CoefficientSet, TableData};
 
 /// The table as Rust source for `include!`: constants that a bad table would not let compile.
@@ -90,7 +91,7 @@ fn write_table(out: &mut String, number: usize, table: &TableData) -> std::fmt::
         out,
         "        const THERMAL: tempco::Thermal = match tempco::Thermal::new(tempco::ThermalSettings {{"
     )?;
-    for (name, value) in table.thermal.named() {
+    for (name, value) in named(&table.thermal) {
         writeln!(out, "            {name}: {value:?},")?;
     }
     let checked = "{ Ok(checked) => checked, Err(error) => panic!(\"{}\", error.message()) }";

@@ -4,7 +4,7 @@ mod emit;
 mod table;
 
 pub use emit::{table_rs, write_files};
-pub use table::{TableData, ThermalData};
+pub use table::TableData;
 
 use serde::{Deserialize, Serialize};
 

@@ -11,7 +11,7 @@ const CRC: crc::Crc<u32> = crc::Crc::<u32>::new(&crc::CRC_32_AUTOSAR);
 #[serde(deny_unknown_fields)]
 pub struct TableData {
     /// Settings of the thermal path.
-    pub thermal: ThermalData,
+    pub thermal: ThermalSettings,
     /// Cold edge of the first cell \[degC\].
     pub first_edge_c: f32,
     /// Hot edge of the last cell \[degC\].
@@ -25,65 +25,21 @@ pub struct TableData {
     pub cells: Vec<Vec<[f32; 5]>>,
 }
 
-/// [`ThermalSettings`] as data.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-#[allow(missing_docs, reason = "the fields are documented at ThermalSettings")]
-pub struct ThermalData {
-    pub sensor_min_c: f32,
-    pub sensor_max_c: f32,
-    pub spike_gate_c: f32,
-    pub max_slew_c_per_min: f32,
-    pub hold_s: f32,
-    pub heal_s: f32,
-    pub tau_s: f32,
-    pub kappa: f32,
-    pub rate_min_c_per_min: f32,
-    pub rate_max_c_per_min: f32,
-    pub reference_c: f32,
-}
-
-macro_rules! convert {
-    ($from:ty => $to:ty) => {
-        impl From<$from> for $to {
-            fn from(s: $from) -> Self {
-                Self {
-                    sensor_min_c: s.sensor_min_c,
-                    sensor_max_c: s.sensor_max_c,
-                    spike_gate_c: s.spike_gate_c,
-                    max_slew_c_per_min: s.max_slew_c_per_min,
-                    hold_s: s.hold_s,
-                    heal_s: s.heal_s,
-                    tau_s: s.tau_s,
-                    kappa: s.kappa,
-                    rate_min_c_per_min: s.rate_min_c_per_min,
-                    rate_max_c_per_min: s.rate_max_c_per_min,
-                    reference_c: s.reference_c,
-                }
-            }
-        }
-    };
-}
-convert!(ThermalSettings => ThermalData);
-convert!(ThermalData => ThermalSettings);
-
-impl ThermalData {
-    /// The settings by name, in their order in the core.
-    pub fn named(&self) -> [(&'static str, f32); 11] {
-        [
-            ("sensor_min_c", self.sensor_min_c),
-            ("sensor_max_c", self.sensor_max_c),
-            ("spike_gate_c", self.spike_gate_c),
-            ("max_slew_c_per_min", self.max_slew_c_per_min),
-            ("hold_s", self.hold_s),
-            ("heal_s", self.heal_s),
-            ("tau_s", self.tau_s),
-            ("kappa", self.kappa),
-            ("rate_min_c_per_min", self.rate_min_c_per_min),
-            ("rate_max_c_per_min", self.rate_max_c_per_min),
-            ("reference_c", self.reference_c),
-        ]
-    }
+/// Settings by name, in their order in the core.
+pub(super) const fn named(settings: &ThermalSettings) -> [(&'static str, f32); 11] {
+    [
+        ("sensor_min_c", settings.sensor_min_c),
+        ("sensor_max_c", settings.sensor_max_c),
+        ("spike_gate_c", settings.spike_gate_c),
+        ("max_slew_c_per_min", settings.max_slew_c_per_min),
+        ("hold_s", settings.hold_s),
+        ("heal_s", settings.heal_s),
+        ("tau_s", settings.tau_s),
+        ("kappa", settings.kappa),
+        ("rate_min_c_per_min", settings.rate_min_c_per_min),
+        ("rate_max_c_per_min", settings.rate_max_c_per_min),
+        ("reference_c", settings.reference_c),
+    ]
 }
 
 impl TableData {
@@ -114,7 +70,7 @@ impl TableData {
         &self,
         cells: &'a [[Terms; AXES]],
     ) -> Result<Table<'a, AXES>, TableError> {
-        let thermal = Thermal::new(self.thermal.into())?;
+        let thermal = Thermal::new(self.thermal)?;
         Table::new(thermal, self.first_edge_c, self.last_edge_c, cells)?
             .calibrated(self.t_min_c, self.t_max_c)
     }
@@ -200,7 +156,7 @@ impl TableData {
 pub(crate) fn crc32<'a>(tables: impl Iterator<Item = &'a TableData>) -> u32 {
     let mut digest = CRC.digest();
     for table in tables {
-        let settings = table.thermal.named().map(|(_, value)| value);
+        let settings = named(&table.thermal).map(|(_, value)| value);
         let temps = [
             table.first_edge_c,
             table.last_edge_c,
