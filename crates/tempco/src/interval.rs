@@ -89,7 +89,7 @@ mod tests {
 
     #[test]
     fn factors_agree_with_the_exponential_to_the_documented_error() {
-        for step in 1..=5000 {
+        for step in (1..=5000).step_by(if cfg!(miri) { 49 } else { 1 }) {
             let dt_s = step as f32 * 0.006;
             let interval = Interval::new(&THERMAL, dt_s);
             let x = f64::from(dt_s) / f64::from(ThermalSettings::DEFAULT.tau_s);

@@ -315,7 +315,7 @@ mod tests {
 
     #[test]
     fn the_hottest_temperature_of_any_grid_falls_into_the_last_cell() {
-        for count in 1..=MAX_CELLS {
+        for count in (1..=MAX_CELLS).step_by(if cfg!(miri) { 341 } else { 1 }) {
             for (first_edge_c, last_edge_c) in [(-17.6, 73.97), (-40.0, 85.0), (0.1, 0.3)] {
                 let cells = [[LINE]; MAX_CELLS];
                 let cells = &cells[..count];

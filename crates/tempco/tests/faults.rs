@@ -223,6 +223,7 @@ fn a_ramp_beyond_the_slew_is_flagged() {
 
 /// Times are counted exactly at any rate of updates, however wide the gate and slow the slew.
 #[test]
+#[cfg_attr(miri, ignore = "needs its many samples")]
 fn hold_and_settling_times_are_kept_at_kilohertz() {
     let settings = thermal(ThermalSettings {
         max_slew_c_per_min: 0.5,

@@ -78,7 +78,7 @@ fn last_place(value: f32) -> f32 {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 500, failure_persistence: None, ..Default::default() })]
+    #![proptest_config(ProptestConfig { cases: cases(500), failure_persistence: None, ..Default::default() })]
 
     #[test]
     fn the_bias_is_finite_and_the_output_is_raw_less_bias(

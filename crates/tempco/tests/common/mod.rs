@@ -65,6 +65,16 @@ const fn cells() -> [[Terms; 2]; CELL_COUNT] {
     cells
 }
 
+/// Cases of a property; a few under Miri, which looks at every access and is slow.
+pub(crate) const fn cases(count: u32) -> u32 {
+    if cfg!(miri) { 3 } else { count }
+}
+
+/// Under Miri the first `under_miri` of them, else all.
+pub(crate) fn first<T>(all: &[T], under_miri: usize) -> &[T] {
+    &all[..if cfg!(miri) { under_miri } else { all.len() }]
+}
+
 /// How fast a bias can change with either coordinate of its point, read off the table.
 pub(crate) struct Lipschitz {
     /// \[unit per degC\]
