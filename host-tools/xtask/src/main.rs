@@ -8,6 +8,7 @@ mod figure;
 mod golden;
 mod run;
 mod test;
+mod verify;
 
 use std::process::ExitCode;
 
@@ -31,6 +32,8 @@ enum Task {
     Check,
     /// The same bits on hosts and targets, over ten million samples
     Golden(golden::Args),
+    /// Coverage, mutants and Miri, as far as their tools can be had: slow, not part of `test`
+    Verify,
     /// Executed instructions on the target, rows per second on the host
     Bench(bench::Args),
 }
@@ -41,6 +44,7 @@ fn main() -> ExitCode {
         Task::Test => test::run(),
         Task::Check => check::run(),
         Task::Golden(args) => golden::run(&args),
+        Task::Verify => verify::run(),
         Task::Bench(args) => bench::run(&args),
     };
     match result {
