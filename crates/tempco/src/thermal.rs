@@ -82,7 +82,8 @@ pub struct Thermal {
     pub(crate) restart_ticks: i32,
     /// What is left of settling after a temperature was rejected, below zero \[ticks\].
     pub(crate) healing: i32,
-    /// The same after a restart: three time constants: the rate estimate is then within 5 % of a new ramp.
+    /// The same after a restart: three time constants, when the rate estimate is within 5 % of a
+    /// new ramp.
     pub(crate) settling: i32,
     pub(crate) slew_c_per_tick: f32,
     pub(crate) per_tau_hz: f32,

@@ -1,7 +1,7 @@
 //! Why an image could not be judged.
 
-use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::{fs, io};
 
 /// Something in the image is not as the checks understand it.
 #[derive(Debug, thiserror::Error)]
@@ -74,4 +74,22 @@ pub enum Error {
     /// Functions that call each other in a circle: the stack has no bound.
     #[error("recursion: {}", .0.join(" -> "))]
     Recursion(Vec<String>),
+}
+
+impl Error {
+    /// The bytes of a file.
+    pub(crate) fn read(path: &Path) -> Result<Vec<u8>, Self> {
+        fs::read(path).map_err(|source| Self::File {
+            path: path.to_owned(),
+            source,
+        })
+    }
+
+    /// For `map_err`: what is wrong with an image.
+    pub(crate) fn image<E: ToString>(path: &Path) -> impl Fn(E) -> Self + '_ {
+        move |reason| Self::Image {
+            path: path.to_owned(),
+            reason: reason.to_string(),
+        }
+    }
 }

@@ -1,7 +1,6 @@
 //! The functions of an ELF file.
 
 use std::collections::BTreeMap;
-use std::fs;
 use std::ops::Range;
 use std::path::Path;
 
@@ -37,25 +36,19 @@ impl Image {
     /// # Errors
     /// The file is not such an image, or holds code that is none.
     pub fn read(path: &Path) -> Result<Self, Error> {
-        let refuse = |reason: String| Error::Image {
-            path: path.to_owned(),
-            reason,
-        };
-        let bytes = fs::read(path).map_err(|source| Error::File {
-            path: path.to_owned(),
-            source,
-        })?;
-        let elf = object::File::parse(&*bytes).map_err(|error| refuse(error.to_string()))?;
+        let bytes = Error::read(path)?;
+        let elf = object::File::parse(&*bytes).map_err(Error::image(path))?;
         if elf.architecture() != object::Architecture::Arm {
-            return Err(refuse(format!("it is for {:?}", elf.architecture())));
+            let reason = format!("it is for {:?}", elf.architecture());
+            return Err(Error::image(path)(reason));
         }
-        let decoder = Decoder::new().map_err(|error| refuse(error.to_string()))?;
+        let decoder = Decoder::new().map_err(Error::image(path))?;
         let mut functions = BTreeMap::new();
         for section in elf
             .sections()
             .filter(|section| section.kind() == SectionKind::Text)
         {
-            let data = section.data().map_err(|error| refuse(error.to_string()))?;
+            let data = section.data().map_err(Error::image(path))?;
             let here = section.address()..section.address() + section.size();
             let starts = starts(&elf, &here);
             let marks = marks(&elf, &here);
@@ -78,7 +71,7 @@ impl Image {
             }
         }
         if functions.is_empty() {
-            return Err(refuse("it has no code".to_owned()));
+            return Err(Error::image(path)("it has no code"));
         }
         let symbols = elf
             .symbols()

@@ -1,6 +1,5 @@
 //! Where in the sources an instruction comes from.
 
-use std::fs;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -19,15 +18,8 @@ impl Lines {
     /// # Errors
     /// It has none that can be read.
     pub fn read(path: &Path) -> Result<Self, Error> {
-        let refuse = |reason: String| Error::Image {
-            path: path.to_owned(),
-            reason,
-        };
-        let bytes = fs::read(path).map_err(|source| Error::File {
-            path: path.to_owned(),
-            source,
-        })?;
-        let elf = object::File::parse(&*bytes).map_err(|error| refuse(error.to_string()))?;
+        let bytes = Error::read(path)?;
+        let elf = object::File::parse(&*bytes).map_err(Error::image(path))?;
         let load = |id: SectionId| -> Result<_, object::Error> {
             let data = match elf.section_by_name(id.name()) {
                 Some(section) => section.data()?,
@@ -35,8 +27,8 @@ impl Lines {
             };
             Ok(EndianArcSlice::new(Arc::from(data), LittleEndian))
         };
-        let dwarf = Dwarf::load(load).map_err(|error| refuse(error.to_string()))?;
-        let context = Context::from_dwarf(dwarf).map_err(|error| refuse(error.to_string()))?;
+        let dwarf = Dwarf::load(load).map_err(Error::image(path))?;
+        let context = Context::from_dwarf(dwarf).map_err(Error::image(path))?;
         Ok(Self(context))
     }
 

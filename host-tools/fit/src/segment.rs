@@ -40,6 +40,11 @@ impl Overlap {
         matches!(self, Self::Mean | Self::Linear | Self::Smooth)
     }
 
+    /// Whether the pieces of the model meet at their boundaries.
+    pub(crate) const fn meets(self) -> bool {
+        matches!(self, Self::Linear | Self::Smooth)
+    }
+
     /// Weight of the hotter neighbour at share `x` (0 to 1) of the overlap.
     fn weight(self, x: f64) -> f64 {
         match self {

@@ -1,5 +1,6 @@
 //! The performance figures: exact on the target, indicative on the host.
 
+mod cycles_m7;
 mod fixed;
 
 use std::process::Command;
@@ -106,6 +107,13 @@ fn target(workspace: &Workspace) -> Result<Value> {
     );
     let code_bytes = code(&image, &["kernels", "step"])?.len();
     println!("  {:24} {code_bytes:>8} bytes", "code of step");
+    let m7 = build(workspace, Board::Mps2An500, "bench", None)?;
+    for name in ["step", "update", "compensate"] {
+        if let Some(cycles) = cycles_m7::cycles(&code(&m7, &["kernels", name])?)? {
+            println!("  {name:24} {cycles:>8} cycles on an M7, by llvm-mca");
+            figures[name]["cycles_m7"] = json!(cycles);
+        }
+    }
     figures.insert("code_bytes".to_owned(), json!(code_bytes));
     figures.insert("state_bytes".to_owned(), sizes["compensator"].clone());
     figures.insert("baselines".to_owned(), Value::Object(baselines));

@@ -1,7 +1,7 @@
 //! Every check, as continuous integration runs it.
 
 use anyhow::{Result, ensure};
-use tempco_qemu::{TARGET, Workspace, ensure_qemu, ensure_target};
+use tempco_qemu::{Board, TARGET, Workspace, ensure_qemu, ensure_target, ensure_target_of};
 
 use crate::run::{cargo, run as step, run_and_read};
 
@@ -36,6 +36,16 @@ pub(crate) fn run() -> Result<()> {
         .concat(),
     ] {
         step(&workspace, &mut cargo(&workspace, &job))?;
+    }
+    // One board of each other kind of processor.
+    for board in [Board::Mps2An505, Board::Mps2An385, Board::Microbit] {
+        ensure_target_of(&workspace, board)?;
+        let feature = board.feature();
+        let mut lint = cargo(&workspace, &["clippy", "--bins", "--locked"]);
+        lint.args(["--package", "tempco-firmware", "--no-default-features"])
+            .args(["--target", board.target(), "--features", &feature])
+            .args(["--", "-D", "warnings"]);
+        step(&workspace, &mut lint)?;
     }
     let mut doc = cargo(&workspace, &["doc", "--workspace", "--no-deps", "--locked"]);
     step(&workspace, doc.env("RUSTDOCFLAGS", "-D warnings"))?;
