@@ -70,9 +70,14 @@ pub(crate) const fn cases(count: u32) -> u32 {
     if cfg!(miri) { 3 } else { count }
 }
 
+/// Rounds of a loop; fewer under Miri.
+pub(crate) const fn fewer(all: usize, under_miri: usize) -> usize {
+    if cfg!(miri) { under_miri } else { all }
+}
+
 /// Under Miri the first `under_miri` of them, else all.
 pub(crate) fn first<T>(all: &[T], under_miri: usize) -> &[T] {
-    &all[..if cfg!(miri) { under_miri } else { all.len() }]
+    &all[..fewer(all.len(), under_miri)]
 }
 
 /// How fast a bias can change with either coordinate of its point, read off the table.
