@@ -33,7 +33,7 @@ enum Task {
     /// The same bits on hosts and targets, over ten million samples
     Golden(golden::Args),
     /// Coverage, mutants and Miri, as far as their tools can be had: slow, not part of `test`
-    Verify,
+    Verify(verify::Args),
     /// Executed instructions on the target, rows per second on the host
     Bench(bench::Args),
 }
@@ -44,7 +44,7 @@ fn main() -> ExitCode {
         Task::Test => test::run(),
         Task::Check => check::run(),
         Task::Golden(args) => golden::run(&args),
-        Task::Verify => verify::run(),
+        Task::Verify(args) => verify::run(&args),
         Task::Bench(args) => bench::run(&args),
     };
     match result {

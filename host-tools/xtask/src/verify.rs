@@ -2,212 +2,144 @@
 //!
 //! Slow, and in need of tools that are not to be had everywhere: no part of the continuous checks.
 
+mod coverage;
+mod miri;
+mod mutants;
 mod places;
+mod tools;
 
 use std::fs;
 use std::path::PathBuf;
-use std::process::{Command, Stdio};
 
 use anyhow::{Context, Result, ensure};
-use serde_json::Value;
+use clap::ValueEnum;
 use tempco_qemu::Workspace;
 
-use self::places::Places;
-use crate::run::run as step;
+use self::tools::Missing;
 
-/// The last compilers that knew MC/DC are of this time.
-const MCDC_TOOLCHAIN: &str = "nightly-2025-06-01";
-const BIG_ENDIAN: &str = "s390x-unknown-linux-gnu";
 /// The tests of the core alone, those of the example in its documentation left out.
 const TESTS: [&str; 5] = ["--package", "tempco", "--locked", "--lib", "--tests"];
-const LEAST_CAUGHT_PERCENT: f64 = 95.0;
 
-/// Why a part could not run; anything else that fails is an error.
-type Skipped = String;
-/// What a part found short of its goal.
-type Findings = Result<Result<Vec<String>, Skipped>>;
+#[derive(clap::Args)]
+pub(crate) struct Args {
+    /// The gates to run; all of them, if none is said
+    #[arg(value_enum)]
+    gates: Vec<Gate>,
+}
 
-pub(crate) fn run() -> Result<()> {
-    let workspace = Workspace::find()?;
-    let mut faults = Vec::new();
-    let mut take = |name: &str, part: fn(&Workspace) -> Findings| -> Result<()> {
-        println!("\n== {name}");
-        match part(&workspace).with_context(|| name.to_owned())? {
-            Ok(found) => faults.extend(found),
-            Err(why) => println!("skipped: {name}: {why}"),
+#[derive(Clone, Copy, ValueEnum)]
+enum Gate {
+    /// Every region of the core and both outcomes of every branch are reached (cargo-llvm-cov)
+    Coverage,
+    /// Every condition of a compound decision is shown to decide on its own
+    Mcdc,
+    /// Of the mutants of the core that compile, the tests catch at least 95 % (cargo-mutants)
+    Mutants,
+    /// The tests of the core run under Miri, little and big endian
+    Miri,
+}
+
+impl Gate {
+    fn measure(self, workspace: &Workspace) -> Result<Measured> {
+        match self {
+            Self::Coverage => coverage::regions_and_branches(workspace),
+            Self::Mcdc => coverage::conditions(workspace),
+            Self::Mutants => mutants::caught(workspace),
+            Self::Miri => miri::both_endians(workspace),
         }
-        Ok(())
-    };
-    take("coverage", coverage)?;
-    take("MC/DC", mcdc)?;
-    take("mutants", mutants)?;
-    take("Miri", miri)?;
-    println!();
-    for fault in &faults {
-        println!("FAULT  {fault}");
     }
-    ensure!(faults.is_empty(), "{} faults", faults.len());
-    println!("no faults");
+
+    fn name(self) -> String {
+        let value = self.to_possible_value();
+        value.map_or_else(String::new, |value| value.get_name().to_owned())
+    }
+}
+
+/// What a gate measured.
+#[derive(Debug, PartialEq)]
+struct Measured {
+    reached: bool,
+    figure: String,
+}
+
+/// A gate without its tool is skipped; one that fails in any other way has failed.
+#[derive(Debug, PartialEq)]
+enum Verdict {
+    Passed(String),
+    Failed(String),
+    Skipped(String),
+}
+
+impl From<Result<Measured>> for Verdict {
+    fn from(measured: Result<Measured>) -> Self {
+        match measured {
+            Ok(Measured { reached, figure }) if reached => Self::Passed(figure),
+            Ok(Measured { figure, .. }) => Self::Failed(figure),
+            Err(error) if error.is::<Missing>() => Self::Skipped(format!("{error:#}")),
+            Err(error) => Self::Failed(format!("{error:#}")),
+        }
+    }
+}
+
+pub(crate) fn run(args: &Args) -> Result<()> {
+    let workspace = Workspace::find()?;
+    let gates = match args.gates.as_slice() {
+        [] => Gate::value_variants(),
+        some => some,
+    };
+    let mut verdicts = Vec::new();
+    for &gate in gates {
+        println!("\n== {}", gate.name());
+        verdicts.push((gate.name(), Verdict::from(gate.measure(&workspace))));
+    }
+    println!();
+    let (mut failed, mut skipped) = (0, 0);
+    for (name, verdict) in &verdicts {
+        let (word, figure) = match verdict {
+            Verdict::Passed(figure) => ("passed", figure),
+            Verdict::Failed(figure) => ("FAILED", figure),
+            Verdict::Skipped(why) => ("SKIPPED", why),
+        };
+        failed += usize::from(word == "FAILED");
+        skipped += usize::from(word == "SKIPPED");
+        println!("{name:9} {word:8} {figure}");
+    }
+    let passed = verdicts.len() - failed - skipped;
+    println!("\n{passed} passed, {failed} failed, {skipped} skipped");
+    ensure!(failed == 0, "{failed} of {} gates failed", verdicts.len());
     Ok(())
 }
 
-fn coverage(workspace: &Workspace) -> Findings {
-    if let Err(why) = llvm_cov("nightly") {
-        return Ok(Err(why));
-    }
-    let report = report(workspace, "nightly", &["--branch"])?;
-    let regions = Places::of(&report, "regions", &[4], 5);
-    let branches = Places::of(&report, "branches", &[4, 5], 6);
-    let lines = regions.lines();
-    let faults = [
-        regions.print("regions", workspace)?,
-        lines.print("lines", workspace)?,
-        branches.print("branches", workspace)?,
-    ];
-    Ok(Ok(faults.into_iter().flatten().collect()))
-}
-
-fn mcdc(workspace: &Workspace) -> Findings {
-    if let Err(why) = toolchain(MCDC_TOOLCHAIN).and_then(|()| llvm_cov(MCDC_TOOLCHAIN)) {
-        return Ok(Err(why));
-    }
-    // It is older than what the manifest asks for, but builds the core.
-    let kind = ["--mcdc", "--ignore-rust-version"];
-    let report = match report(workspace, MCDC_TOOLCHAIN, &kind) {
-        Ok(report) => report,
-        Err(why) => return Ok(Err(format!("{MCDC_TOOLCHAIN}: {why:#}"))),
-    };
-    // Of the whole files, the tests in them included: decisions are not told apart by place.
-    let (mut count, mut covered) = (0, 0);
-    for file in report["data"][0]["files"].as_array().into_iter().flatten() {
-        let mcdc = &file["summary"]["mcdc"];
-        count += mcdc["count"].as_u64().unwrap_or(0);
-        covered += mcdc["covered"].as_u64().unwrap_or(0);
-    }
-    println!("conditions shown to decide on their own: {covered} of {count}");
-    let missed = (covered < count).then(|| format!("MC/DC: {} conditions", count - covered));
-    Ok(Ok(missed.into_iter().collect()))
-}
-
-fn mutants(workspace: &Workspace) -> Findings {
-    if let Err(why) = program("cargo-mutants") {
-        return Ok(Err(why));
-    }
-    let output = output_folder(workspace)?;
-    let mut command = cargo(workspace, "stable", &["mutants", "--package", "tempco"]);
-    // Each job builds in the folder of its own copy.
-    command.env_remove("CARGO_TARGET_DIR");
-    command.args(["-j", "2", "--timeout", "120", "--colors", "never"]);
-    command.arg("--output").arg(&output);
-    command.args(["--", "--locked", "--lib", "--tests"]);
-    // It fails where a mutant survives; what counts is read from its report.
-    let _ = step(workspace, &mut command);
-    let folder = output.join("mutants.out");
-    let outcomes: Value = serde_json::from_slice(&fs::read(folder.join("outcomes.json"))?)?;
-    let number = |name: &str| outcomes[name].as_f64().unwrap_or(0.0);
-    let [caught, missed, timeout] = ["caught", "missed", "timeout"].map(number);
-    let percent = 100.0 * (caught + timeout) / (caught + timeout + missed).max(1.0);
-    let unviable = number("unviable");
-    println!(
-        "{percent:.1} % found: {caught} caught, {timeout} timed out, {missed} missed; {unviable} unviable"
-    );
-    for (list, what) in [("missed.txt", "survivor"), ("timeout.txt", "timed out")] {
-        for mutant in fs::read_to_string(folder.join(list))?.lines() {
-            println!("{what}: {mutant}");
-        }
-    }
-    let fault = (percent < LEAST_CAUGHT_PERCENT).then(|| format!("mutants: {percent:.1} % found"));
-    Ok(Ok(fault.into_iter().collect()))
-}
-
-fn miri(workspace: &Workspace) -> Findings {
-    if let Err(why) = component("nightly", "miri").and_then(|()| component("nightly", "rust-src")) {
-        return Ok(Err(why));
-    }
-    let mut faults = Vec::new();
-    for target in [&[][..], &["--target", BIG_ENDIAN]] {
-        let mut command = cargo(workspace, "nightly", &["miri", "test"]);
-        if let Err(error) = step(workspace, command.args(TESTS).args(target)) {
-            faults.push(format!("Miri: {error:#}"));
-        }
-    }
-    Ok(Ok(faults))
-}
-
-/// Runs the tests instrumented and returns what llvm-cov exports.
-fn report(workspace: &Workspace, toolchain: &str, kind: &[&str]) -> Result<Value> {
-    let path = output_folder(workspace)?.join("coverage.json");
-    let mut command = cargo(workspace, toolchain, &["llvm-cov", "--json"]);
-    step(
-        workspace,
-        command
-            .args(kind)
-            .args(TESTS)
-            .arg("--output-path")
-            .arg(&path),
-    )?;
-    Ok(serde_json::from_slice(&fs::read(&path)?)?)
-}
-
+/// Where the gates leave what they read their figures from.
 fn output_folder(workspace: &Workspace) -> Result<PathBuf> {
     let folder = workspace.root().join("target/verify");
-    fs::create_dir_all(&folder)?;
+    fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
     Ok(folder)
 }
 
-/// A cargo command of a toolchain, without what the cargo that runs this set for itself.
-fn cargo(workspace: &Workspace, toolchain: &str, args: &[&str]) -> Command {
-    let mut command = Command::new("rustup");
-    command.args(["run", toolchain, "cargo"]).args(args);
-    for name in ["CARGO", "RUSTC", "RUSTDOC", "RUSTUP_TOOLCHAIN"] {
-        command.env_remove(name);
-    }
-    command.current_dir(workspace.root());
-    command
-}
+#[cfg(test)]
+mod tests {
+    use anyhow::anyhow;
 
-/// Installs what coverage needs, unless it is there.
-fn llvm_cov(name: &str) -> Result<(), Skipped> {
-    component(name, "llvm-tools").and_then(|()| program("cargo-llvm-cov"))
-}
+    use super::*;
 
-fn toolchain(name: &str) -> Result<(), Skipped> {
-    let present = quiet("rustup", &["run", name, "rustc", "--version"]);
-    present.or_else(|_| {
-        quiet(
-            "rustup",
-            &["toolchain", "install", name, "--profile", "minimal"],
-        )
-    })
-}
-
-fn component(name: &str, component: &str) -> Result<(), Skipped> {
-    toolchain(name)?;
-    quiet(
-        "rustup",
-        &["component", "add", component, "--toolchain", name],
-    )
-}
-
-/// Installs a program of cargo's unless it is there.
-fn program(name: &str) -> Result<(), Skipped> {
-    let command = name.trim_start_matches("cargo-");
-    quiet(name, &[command, "--version"]).or_else(|_| quiet("cargo", &["install", "--locked", name]))
-}
-
-fn quiet(program: &str, args: &[&str]) -> Result<(), Skipped> {
-    let mut command = Command::new(program);
-    let status = command
-        .args(args)
-        .stdout(Stdio::null())
-        .stderr(Stdio::null())
-        .status();
-    match status {
-        Ok(status) if status.success() => Ok(()),
-        Ok(status) => Err(format!(
-            "`{program} {}` ended with {status}",
-            args.join(" ")
-        )),
-        Err(error) => Err(format!("`{program}`: {error}")),
+    #[test]
+    fn only_a_missing_tool_is_skipped() {
+        let figure = || "99 of 100".to_owned();
+        let measured = |reached| {
+            Verdict::from(Ok(Measured {
+                reached,
+                figure: figure(),
+            }))
+        };
+        assert_eq!(measured(true), Verdict::Passed(figure()));
+        assert_eq!(measured(false), Verdict::Failed(figure()));
+        let failed = Verdict::from(Err(anyhow!("a test failed").context("coverage")));
+        assert_eq!(
+            failed,
+            Verdict::Failed("coverage: a test failed".to_owned())
+        );
+        let missing = Verdict::from(Err(Missing::new("no network").into()));
+        assert!(matches!(missing, Verdict::Skipped(why) if why.contains("no network")));
     }
 }
