@@ -4,7 +4,7 @@ use anyhow::Result;
 use tempco_qemu::Workspace;
 
 use super::tools::{NIGHTLY, cargo_of, ensure_toolchain};
-use super::{Measured, TESTS};
+use super::{Measured, TESTS, output_folder};
 use crate::run::run_and_read;
 use crate::test::count;
 
@@ -20,6 +20,11 @@ pub(super) fn both_endians(workspace: &Workspace) -> Result<Measured> {
         if let Some(target) = target {
             command.args(["--target", target]);
         }
+        // A folder of its own: cargo takes the products of another nightly of the same day for
+        // its own, and Miri then does not find the crates in them.
+        command
+            .arg("--target-dir")
+            .arg(output_folder(workspace)?.join("miri"));
         // What it reports is to depend on the tests alone.
         command.env_remove("MIRIFLAGS");
         let (output, succeeded) = run_and_read(workspace, &mut command)?;
