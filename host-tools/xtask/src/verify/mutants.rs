@@ -1,7 +1,8 @@
 //! Whether the tests of the core notice when one operation of it is another one.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
+use std::process::Command;
 
 use anyhow::{Context, Result, ensure};
 use serde_json::Value;
@@ -22,6 +23,10 @@ const COMPLETE: [i32; 3] = [0, 2, 3];
 const CONSTRUCTOR: &str = "fn new(";
 const RAW_CONSTRUCTOR: &str = "fn r#new(";
 
+/// The tests that catch most. Building all of them for every mutant would take twice as long.
+const FIRST_TESTS: [&str; 5] = ["--lib", "--test", "limits", "--test", "faults"];
+const ALL_TESTS: [&str; 2] = ["--lib", "--tests"];
+
 pub(super) fn caught(workspace: &Workspace) -> Result<Measured> {
     ensure_program(workspace, &MUTANTS)?;
     let folder = output_folder(workspace)?.join("mutants");
@@ -33,12 +38,17 @@ pub(super) fn caught(workspace: &Workspace) -> Result<Measured> {
     copy(workspace.root(), &source)?;
     let constructors = expose_constructors(&source.join("crates/tempco/src"))?;
     ensure!(constructors > 0, "the core has no constructors");
-    run(workspace, &source, &folder)?;
-    let report = folder.join("mutants.out");
-    judge(
-        &read(&report, "mutants.json")?,
-        &read(&report, "outcomes.json")?,
-    )
+
+    let run = |tests: &[&str]| {
+        let mut command = command(workspace, &source, &folder);
+        complete(command.args(tests))?;
+        Report::read(&folder.join("mutants.out"))
+    };
+    let first = run(&FIRST_TESTS)?;
+    ensure!(first.in_constructors > 0, "no mutant is in a constructor");
+    let all = run(&ALL_TESTS)?;
+    all.name_survivors();
+    judge(&first, &all)
 }
 
 /// Copies what cargo needs: all but its products and what is hidden.
@@ -72,10 +82,11 @@ fn expose_constructors(folder: &Path) -> Result<usize> {
     Ok(count)
 }
 
-fn run(workspace: &Workspace, source: &PathBuf, folder: &PathBuf) -> Result<()> {
-    let mut command = cargo(workspace, &["mutants", "--package", "tempco"]);
+/// Tries what earlier runs of this command did not catch; what comes next are options for the tests.
+fn command(workspace: &Workspace, source: &Path, folder: &Path) -> Command {
+    let mut command = cargo(workspace, &["mutants", "--package", "tempco", "--iterate"]);
     command.arg("--dir").arg(source).arg("--output").arg(folder);
-    command.args(["--jobs", "2", "--colors", "never", "--no-times"]);
+    command.args(["--jobs", "2", "--colors", "never"]);
     // Compiled only with the feature `defmt`, that is for firmware, where these tests do not run.
     command.args(["--exclude-re", "defmt::Format"]);
     // The tests take seconds: a mutant that needs a minute does not end.
@@ -84,9 +95,14 @@ fn run(workspace: &Workspace, source: &PathBuf, folder: &PathBuf) -> Result<()> 
     command.env("CARGO_PROFILE_DEV_OPT_LEVEL", "0");
     command.env("CARGO_PROFILE_DEV_DEBUG", "0");
     command.arg("--cargo-arg=--config=profile.dev.package.'*'.opt-level=1");
-    command.args(["--", "--locked", "--lib", "--tests"]);
     // Each job builds in the folder of its own copy.
     command.env_remove("CARGO_TARGET_DIR");
+    command.args(["--", "--locked"]);
+    command
+}
+
+/// Runs cargo-mutants, which reports by its exit code as well.
+fn complete(command: &mut Command) -> Result<()> {
     println!("\n$ {command:?}");
     let status = command.status().context("cargo mutants")?;
     let complete = status.code().is_some_and(|code| COMPLETE.contains(&code));
@@ -94,43 +110,78 @@ fn run(workspace: &Workspace, source: &PathBuf, folder: &PathBuf) -> Result<()> 
     Ok(())
 }
 
-fn read(folder: &Path, name: &str) -> Result<Value> {
-    let path = folder.join(name);
-    let text = fs::read(&path).with_context(|| path.display().to_string())?;
-    Ok(serde_json::from_slice(&text)?)
+/// What a run of cargo-mutants found.
+#[derive(Default)]
+struct Report {
+    in_constructors: usize,
+    caught: usize,
+    unviable: usize,
+    missed: Vec<String>,
+    timed_out: Vec<String>,
+}
+
+impl Report {
+    fn read(folder: &Path) -> Result<Self> {
+        let read = |name: &str| -> Result<Value> {
+            let path = folder.join(name);
+            let text = fs::read(&path).with_context(|| path.display().to_string())?;
+            Ok(serde_json::from_slice(&text)?)
+        };
+        Self::of(&read("mutants.json")?, &read("outcomes.json")?)
+    }
+
+    fn of(mutants: &Value, outcomes: &Value) -> Result<Self> {
+        let found = mutants.as_array().map_or(0, Vec::len);
+        let mut report = Self::default();
+        for outcome in outcomes["outcomes"].as_array().into_iter().flatten() {
+            let Some(name) = outcome["scenario"]["Mutant"]["name"].as_str() else {
+                continue; // The tests without a mutant.
+            };
+            report.in_constructors += usize::from(name.contains("r#new"));
+            match outcome["summary"].as_str() {
+                Some("CaughtMutant") => report.caught += 1,
+                Some("Unviable") => report.unviable += 1,
+                Some("Timeout") => report.timed_out.push(name.replace("r#", "")),
+                _ => report.missed.push(name.replace("r#", "")),
+            }
+        }
+        let tried = report.tried();
+        ensure!(tried == found, "{tried} of {found} mutants were tried");
+        Ok(report)
+    }
+
+    fn tried(&self) -> usize {
+        self.caught + self.unviable + self.missed.len() + self.timed_out.len()
+    }
+
+    fn name_survivors(&self) {
+        for mutant in &self.missed {
+            println!("survived: {mutant}");
+        }
+        for mutant in &self.timed_out {
+            println!("timed out: {mutant}");
+        }
+    }
 }
 
 /// The share of caught mutants among those that compile. One that timed out is not counted as
 /// caught: in code without loops it would be a riddle, not a proof.
-fn judge(mutants: &Value, outcomes: &Value) -> Result<Measured> {
-    let found = mutants.as_array().map_or(0, Vec::len);
-    let mutants = mutants.as_array().into_iter().flatten();
-    let named = |mutant: &&Value| mutant["name"].as_str().is_some_and(|n| n.contains("r#new"));
-    let in_constructors = mutants.filter(named).count();
-    ensure!(in_constructors > 0, "no mutant is in a constructor");
-
-    let number = |name: &str| outcomes[name].as_u64().unwrap_or(0) as usize;
-    let [caught, missed, timeout, unviable] =
-        ["caught", "missed", "timeout", "unviable"].map(number);
-    let viable = caught + missed + timeout;
-    let tried = viable + unviable;
-    ensure!(tried == found, "{tried} of {found} mutants were tried");
+fn judge(first: &Report, all: &Report) -> Result<Measured> {
+    let left = first.missed.len() + first.timed_out.len();
+    let again = all.tried();
+    ensure!(again == left, "{again} of {left} mutants were tried again");
+    let (missed, timed_out) = (all.missed.len(), all.timed_out.len());
+    let caught = first.caught + all.caught;
+    let viable = caught + missed + timed_out;
     ensure!(viable > 0, "no mutant compiles");
-    for outcome in outcomes["outcomes"].as_array().into_iter().flatten() {
-        let name = outcome["scenario"]["Mutant"]["name"].as_str();
-        let what = match outcome["summary"].as_str() {
-            Some("MissedMutant") => "survived",
-            Some("Timeout") => "timed out",
-            _ => continue,
-        };
-        println!("{what}: {}", name.unwrap_or_default().replace("r#", ""));
-    }
     let percent = 100.0 * caught as f64 / viable as f64;
     Ok(Measured {
         reached: percent >= LEAST_CAUGHT_PERCENT,
         figure: format!(
-            "{percent:.1} %: {caught} of {viable} caught, {missed} survived, {timeout} timed out; \
-             {unviable} more do not compile; {in_constructors} of {found} in constructors"
+            "{percent:.1} %: {caught} of {viable} caught, {missed} survived, {timed_out} timed \
+             out; {} more do not compile; {} of all in constructors",
+            first.unviable + all.unviable,
+            first.in_constructors
         ),
     })
 }
@@ -141,12 +192,28 @@ mod tests {
 
     use super::*;
 
-    fn judged(caught: usize, missed: usize, timeout: usize, unviable: usize) -> Result<Measured> {
-        let mutants = vec![json!({"name": "a.rs:1:1: replace + with - in A::r#new"}); 100];
-        let outcomes = json!({
-            "caught": caught, "missed": missed, "timeout": timeout, "unviable": unviable,
-        });
-        judge(&json!(mutants), &outcomes)
+    const FOUND: usize = 100;
+
+    fn report(found: usize, counts: [(&str, usize); 4]) -> Result<Report> {
+        let outcome = |summary| json!({"scenario": {"Mutant": {"name": "a"}}, "summary": summary});
+        let mut outcomes = vec![json!({"scenario": "Baseline", "summary": "Success"})];
+        for (summary, count) in counts {
+            outcomes.extend(vec![outcome(summary); count]);
+        }
+        Report::of(&json!(vec![0; found]), &json!({ "outcomes": outcomes }))
+    }
+
+    fn judged(caught: usize, missed: usize, timed_out: usize, unviable: usize) -> Result<Measured> {
+        let counts = |caught, unviable| {
+            [
+                ("CaughtMutant", caught),
+                ("MissedMutant", missed),
+                ("Timeout", timed_out),
+                ("Unviable", unviable),
+            ]
+        };
+        let first = report(FOUND, counts(caught, unviable))?;
+        judge(&first, &report(missed + timed_out, counts(0, 0))?)
     }
 
     #[test]
@@ -167,6 +234,7 @@ mod tests {
     #[test]
     fn a_run_that_was_stopped_has_no_figure() {
         assert!(judged(99, 0, 0, 0).is_err());
-        assert!(judge(&json!([]), &json!({})).is_err());
+        let first = report(1, [("MissedMutant", 1), ("", 0), ("", 0), ("", 0)]).unwrap();
+        assert!(judge(&first, &Report::default()).is_err());
     }
 }
