@@ -38,8 +38,9 @@ fn assert_heals(unit: &mut Compensator<'static, 2>, temp_c: f32) {
 
 #[test]
 fn an_unusable_temperature_holds_the_last_good_one_and_heals() {
+    let settled = settled(40.0);
     for &broken in first(&BROKEN, 3) {
-        let mut unit = settled(40.0);
+        let mut unit = settled.clone();
         let before = feed(&mut unit, [40.0])[0];
         let out = feed(&mut unit, [broken])[0];
         assert_eq!(bits(&out), bits(&before), "{broken}");
@@ -175,9 +176,10 @@ fn the_return_after_a_loss_makes_no_rate() {
 /// begins anew.
 #[test]
 fn the_rate_is_right_again_when_the_status_says_so() {
+    let on_ramp = on_ramp(30.0, 2.0);
     for &outage_s in first(&[10, 31, 1, 29, 59], 2) {
         let temp = |s: usize| 30.0 + 2.0 / 60.0 * s as f32;
-        let mut unit = on_ramp(30.0, 2.0);
+        let mut unit = on_ramp.clone();
         feed(&mut unit, vec![f32::NAN; outage_s]);
         let outs = feed(&mut unit, (outage_s + 1..outage_s + 300).map(temp));
         let good = outs.iter().find(|out| out.status == Status::OK).unwrap();
@@ -263,9 +265,10 @@ fn a_second_start_forgets_the_first() {
 #[test]
 fn a_spike_is_rejected_before_the_differentiator_and_heals() {
     let gate = SETTINGS.spike_gate_c + SLEW_C;
+    let settled = settled(40.0);
     let spikes = [gate + 1e-3, -gate - 1e-3, 5.0, -5.0, 100.0, -90.0];
     for &spike in first(&spikes, 2) {
-        let mut unit = settled(40.0);
+        let mut unit = settled.clone();
         let before = feed(&mut unit, [40.0])[0];
         let out = feed(&mut unit, [40.0 + spike])[0];
         assert_eq!(bits(&out), bits(&before), "{spike}");
@@ -275,7 +278,7 @@ fn a_spike_is_rejected_before_the_differentiator_and_heals() {
     }
     // The widest jump that is believed: no remark, no restart, but no more than the slew either.
     for jump in [gate, -gate] {
-        let mut unit = settled(40.0);
+        let mut unit = settled.clone();
         let out = feed(&mut unit, [40.0 + jump])[0];
         assert_eq!(out.status, Status::OK);
         assert_eq!(out.point.effective_c, 40.0 + SLEW_C.copysign(jump));

@@ -18,6 +18,9 @@ const LEAST_CAUGHT_PERCENT: f64 = 95.0;
 /// timed out. Others, such as that of tests that fail without any mutant, are errors.
 const COMPLETE: [i32; 3] = [0, 2, 3];
 
+/// The compiler's code for a constant that does not evaluate.
+const BAD_CONSTANT: &str = "error[E0080]";
+
 /// What cargo-mutants leaves out unless it is written as a raw identifier, which to the compiler
 /// is the same name.
 const CONSTRUCTOR: &str = "fn new(";
@@ -116,6 +119,8 @@ struct Report {
     in_constructors: usize,
     caught: usize,
     unviable: usize,
+    /// Of those, how many the compiler refuses because a constant of the tests does not evaluate.
+    refused: usize,
     missed: Vec<String>,
     timed_out: Vec<String>,
 }
@@ -127,7 +132,12 @@ impl Report {
             let text = fs::read(&path).with_context(|| path.display().to_string())?;
             Ok(serde_json::from_slice(&text)?)
         };
-        Self::of(&read("mutants.json")?, &read("outcomes.json")?)
+        let mut report = Self::of(&read("mutants.json")?, &read("outcomes.json")?)?;
+        for log in fs::read_dir(folder.join("log"))? {
+            let text = fs::read(log?.path())?;
+            report.refused += usize::from(String::from_utf8_lossy(&text).contains(BAD_CONSTANT));
+        }
+        Ok(report)
     }
 
     fn of(mutants: &Value, outcomes: &Value) -> Result<Self> {
@@ -179,8 +189,10 @@ fn judge(first: &Report, all: &Report) -> Result<Measured> {
         reached: percent >= LEAST_CAUGHT_PERCENT,
         figure: format!(
             "{percent:.1} %: {caught} of {viable} caught, {missed} survived, {timed_out} timed \
-             out; {} more do not compile; {} of all in constructors",
+             out; {} more do not compile, {} of them in constants of the tests; {} of all in \
+             constructors",
             first.unviable + all.unviable,
+            first.refused + all.refused,
             first.in_constructors
         ),
     })
