@@ -249,3 +249,16 @@ fn the_shortest_updates_move_the_effective_temperature() {
         assert!((last.effective_c - ends).abs() < 1e-4, "{last:?}");
     }
 }
+
+/// That no time has passed since power-on is nothing to remark.
+#[test]
+fn a_start_without_a_temperature_says_what_is_missing() {
+    for missing in [f32::NAN, -60.1, f32::INFINITY] {
+        let mut state = ThermalState::new(&THERMAL);
+        let point = state.start(&THERMAL, missing);
+        let expected = Status::TEMPERATURE_INVALID | Status::TEMPERATURE_LOST | Status::SETTLING;
+        assert_eq!(point.status, expected);
+        assert_eq!(point.effective_c, SETTINGS.reference_c);
+        assert_eq!((state.rejected(), state.restarts()), (1, 0));
+    }
+}
