@@ -62,7 +62,7 @@ type Sample = (f32, f32, [f32; 2]);
 
 fn stream(length: usize) -> impl Strategy<Value = Vec<Sample>> {
     let raw = [number(), number()];
-    prop::collection::vec((interval_s(), number(), raw), 1..length)
+    prop::collection::vec((interval_s(), number(), raw), 1..fewer(length, 20))
 }
 
 fn run(table: &Table<'static, 2>, stream: &[Sample]) -> Vec<Output<2>> {
