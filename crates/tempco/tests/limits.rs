@@ -234,3 +234,31 @@ fn intervals_at_their_limits() {
         assert!(status(invalid), "{invalid}");
     }
 }
+
+/// However short the time, the effective temperature moves by what f32 can resolve: else it would
+/// never arrive.
+#[test]
+fn the_shortest_updates_move_the_effective_temperature() {
+    for (start, ends) in [(20.0, 20.002), (140.0, 140.001_53)] {
+        let shortest = Interval::new(&THERMAL, 1e-6);
+        let mut state = ThermalState::new(&THERMAL);
+        state.start(&THERMAL, start);
+        let points = (0..100).map(|_| state.update(&THERMAL, &shortest, start + 1.0));
+        let last = points.last().unwrap();
+        // By the slew alone it would be 5e-7 degC each, which vanishes.
+        assert!((last.effective_c - ends).abs() < 1e-4, "{last:?}");
+    }
+}
+
+/// That no time has passed since power-on is nothing to remark.
+#[test]
+fn a_start_without_a_temperature_says_what_is_missing() {
+    for missing in [f32::NAN, -60.1, f32::INFINITY] {
+        let mut state = ThermalState::new(&THERMAL);
+        let point = state.start(&THERMAL, missing);
+        let expected = Status::TEMPERATURE_INVALID | Status::TEMPERATURE_LOST | Status::SETTLING;
+        assert_eq!(point.status, expected);
+        assert_eq!(point.effective_c, SETTINGS.reference_c);
+        assert_eq!((state.rejected(), state.restarts()), (1, 0));
+    }
+}

@@ -6,7 +6,8 @@ use common::*;
 use proptest::prelude::*;
 use tempco::{Interval, Output, Status, TwoRateCompensator};
 
-const SAMPLES: u16 = 100;
+/// Gyro samples per update; fewer under Miri, which is slow.
+const SAMPLES: u16 = if cfg!(miri) { 10 } else { 100 };
 const RAW: [f32; 2] = [1.0, -2.0];
 
 type Unit = TwoRateCompensator<'static, 2>;
@@ -42,7 +43,7 @@ fn the_bias_ramps_linearly_to_that_of_the_single_rate() {
     let mut unit = started(SAMPLES, temp(0));
     single.start(temp(0));
     let mut before = compensate(&mut unit, RAW).bias;
-    for second in 1..60 {
+    for second in 1..fewer(60, 10) as i32 {
         let point = unit.update(&SECOND, temp(second));
         let end = single.step(&SECOND, temp(second), RAW);
         assert_eq!(point, end.point);
@@ -66,7 +67,7 @@ fn at_one_sample_per_update_it_is_the_single_rate() {
         let mut single = tempco::Compensator::new(&TABLE);
         let mut unit = started(samples_per_update, 0.0);
         single.start(0.0);
-        for second in 1..500 {
+        for second in 1..fewer(500, 50) as i32 {
             let temp = [temp(second % 90), f32::NAN][usize::from(second % 7 == 0)];
             unit.update(&SECOND, temp);
             let (out, end) = (compensate(&mut unit, RAW), single.step(&SECOND, temp, RAW));
@@ -82,7 +83,7 @@ fn where_the_update_is_late_the_bias_stays() {
     let mut unit = started(SAMPLES, temp(0));
     unit.update(&SECOND, temp(1));
     let end = *take(&mut unit, SAMPLES.into()).last().unwrap();
-    for out in take(&mut unit, if cfg!(miri) { 1000 } else { 100_000 }) {
+    for out in take(&mut unit, fewer(100_000, 100)) {
         assert_eq!(bits(&out), bits(&end));
     }
     unit.update(&SECOND, temp(2));
@@ -92,8 +93,9 @@ fn where_the_update_is_late_the_bias_stays() {
 
 #[test]
 fn the_longest_ramp_is_as_straight_and_as_exact_as_a_short_one() {
-    let count = usize::from(u16::MAX);
-    let mut unit = started(u16::MAX, 30.0);
+    let samples = if cfg!(miri) { 301 } else { u16::MAX };
+    let count = usize::from(samples);
+    let mut unit = started(samples, 30.0);
     let start = compensate(&mut unit, RAW).bias;
     let end = TABLE.bias(&unit.update(&SECOND, 30.5)).0;
     let outs = take(&mut unit, count);
@@ -117,7 +119,7 @@ fn the_longest_ramp_is_as_straight_and_as_exact_as_a_short_one() {
 fn start_jumps_also_in_the_middle_of_a_ramp() {
     let mut unit = started(SAMPLES, temp(0));
     unit.update(&SECOND, temp(1));
-    take(&mut unit, 30);
+    take(&mut unit, usize::from(SAMPLES / 3));
     unit.start(-20.0);
     let expected = compensate(&mut started(SAMPLES, -20.0), RAW);
     for out in take(&mut unit, usize::from(SAMPLES)) {

@@ -10,6 +10,7 @@ mod paper;
 mod prove;
 mod run;
 mod test;
+mod verify;
 
 use std::process::ExitCode;
 
@@ -35,6 +36,8 @@ enum Task {
     Golden(golden::Args),
     /// The paper's tables on a simulated unit, beside the printed ones
     Paper(paper::Args),
+    /// Coverage, mutants and Miri, as far as their tools can be had: slow, not part of `test`
+    Verify(verify::Args),
     /// Executed instructions on the target, rows per second on the host
     Bench(bench::Args),
     /// Proofs on the compiled core by two solvers, bounds on rounding; skips what is not there
@@ -48,6 +51,7 @@ fn main() -> ExitCode {
         Task::Check => check::run(),
         Task::Golden(args) => golden::run(&args),
         Task::Paper(args) => paper::run(&args),
+        Task::Verify(args) => verify::run(&args),
         Task::Bench(args) => bench::run(&args),
         Task::Prove(args) => prove::run(&args),
     };

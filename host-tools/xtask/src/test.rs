@@ -56,29 +56,26 @@ pub(crate) fn run() -> Result<()> {
         &["test", "--workspace", "--no-fail-fast", "--locked"],
     );
     let (output, succeeded) = run_and_read(&workspace, &mut test)?;
-    let (passed, failed) = count(&output);
+    let [passed, failed] = ["passed", "failed"].map(|what| count(&output, what));
     println!("\n{passed} passed, {failed} failed");
     ensure!(succeeded && failed == 0, "tests failed");
     ensure!(passed > 0, "no test ran");
     Ok(())
 }
 
-/// Sums the closing lines of all test programs.
-fn count(output: &str) -> (u32, u32) {
-    let number = |line: &str, what: &str| -> u32 {
-        let (before, _) = line.split_once(what).unwrap_or_default();
+/// Sums a count of tests (`passed`, `failed`, `ignored`) over the closing lines of all programs.
+pub(crate) fn count(output: &str, what: &str) -> u32 {
+    let what = format!(" {what};");
+    let number = |line: &str| -> u32 {
+        let (before, _) = line.split_once(&what).unwrap_or_default();
         let word = before.split_whitespace().next_back().unwrap_or_default();
         word.parse().unwrap_or_default()
     };
     output
         .lines()
         .filter(|line| line.starts_with("test result: "))
-        .fold((0, 0), |(passed, failed), line| {
-            (
-                passed + number(line, " passed;"),
-                failed + number(line, " failed;"),
-            )
-        })
+        .map(number)
+        .sum()
 }
 
 #[cfg(test)]
@@ -89,7 +86,8 @@ mod tests {
     fn closing_lines_are_summed() {
         let output = "running 3 tests\n\
             test result: ok. 3 passed; 0 failed; 0 ignored; 0 measured\n\
-            test result: FAILED. 10 passed; 2 failed; 1 ignored\n";
-        assert_eq!(count(output), (13, 2));
+            test result: FAILED. 10 passed; 2 failed; 1 ignored; 0 measured\n";
+        let counts = ["passed", "failed", "ignored"].map(|what| count(output, what));
+        assert_eq!(counts, [13, 2, 1]);
     }
 }

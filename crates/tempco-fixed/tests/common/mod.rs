@@ -3,72 +3,25 @@
 // Each test file uses a part of it.
 #![allow(dead_code)]
 
-use tempco::{Status, Table, Terms, Thermal, ThermalSettings};
+#[path = "../../../tempco/tests/common/table.rs"]
+mod table;
+
+pub(crate) use table::*;
+use tempco::{Status, Table};
 use tempco_fixed::{FixedCompensator, FixedInterval, FixedOutput, FixedTable, from_f32};
 
-pub(crate) const SETTINGS: ThermalSettings = ThermalSettings::DEFAULT;
-pub(crate) const THERMAL: Thermal = thermal(SETTINGS);
-/// What the default settings say: three time constants, time to heal and to hold \[s\].
-pub(crate) const SETTLE_S: usize = 180;
-pub(crate) const HEAL_S: usize = 10;
-pub(crate) const HOLD_S: usize = 60;
 /// What the effective temperature may move in one second by the default settings.
 pub(crate) const SLEW: i32 = 1 << 19;
 pub(crate) const RAW: [i32; 2] = [1 << 20, -(2 << 20)];
 
-pub(crate) const COUNT: usize = 12;
-/// Bias at the edges of the cells: kinked, never twice the same.
-const EDGES: [f32; COUNT + 1] = [
-    0.31, 0.27, 0.18, 0.22, 0.40, 0.37, 0.41, 0.55, 0.52, 0.66, 0.71, 0.93, 0.87,
-];
-static CELLS: [[Terms; 2]; COUNT] = cells();
-/// Two axes, 12 cells over -40..80 degC, continuous in temperature at every rate.
-pub(crate) static F32_TABLE: Table<'static, 2> = table(THERMAL);
 pub(crate) static TABLE: FixedTable<2, COUNT> = fixed(&F32_TABLE);
 pub(crate) static SECOND: FixedInterval = FixedInterval::new(TABLE.thermal(), 1.0);
-
-pub(crate) const fn thermal(settings: ThermalSettings) -> Thermal {
-    match Thermal::new(settings) {
-        Ok(thermal) => thermal,
-        Err(error) => panic!("{}", error.message()),
-    }
-}
-
-pub(crate) const fn table(thermal: Thermal) -> Table<'static, 2> {
-    match Table::new(thermal, -40.0, 80.0, &CELLS) {
-        Ok(table) => table,
-        Err(error) => panic!("{}", error.message()),
-    }
-}
 
 pub(crate) const fn fixed(table: &Table<'_, 2>) -> FixedTable<2, COUNT> {
     match FixedTable::new(table) {
         Ok(table) => table,
         Err(error) => panic!("{}", error.message()),
     }
-}
-
-const fn cells() -> [[Terms; 2]; COUNT] {
-    let none = Terms {
-        a: [0.0; 3],
-        r: [0.0; 2],
-    };
-    let mut cells = [[none; 2]; COUNT];
-    let mut k = 0;
-    while k < COUNT {
-        let (cold, hot) = (EDGES[k], EDGES[k + 1]);
-        let curve = 0.02 + 0.01 * k as f32;
-        cells[k][0] = Terms {
-            a: [cold, hot - cold - curve, curve],
-            r: [0.1 * cold, 0.1 * (hot - cold)],
-        };
-        cells[k][1] = Terms {
-            a: [-3.0 * cold, 3.0 * (cold - hot) + curve, -curve],
-            r: [0.2 - cold, cold - hot],
-        };
-        k += 1;
-    }
-    cells
 }
 
 pub(crate) type Unit = FixedCompensator<'static, 2, COUNT>;

@@ -3,76 +3,29 @@
 // Each test file uses a part of it.
 #![allow(dead_code)]
 
-use tempco::{Compensator, Interval, Output, Status, Table, Terms, Thermal, ThermalSettings};
+mod table;
 
-/// The default settings: 60 s of hold and time constant, 10 s to heal, 0.5 degC/s of slew.
-pub(crate) const THERMAL: Thermal = thermal(ThermalSettings::DEFAULT);
-pub(crate) const SETTINGS: ThermalSettings = ThermalSettings::DEFAULT;
+use tempco::{Compensator, Interval, Output, Status, Table, Terms};
+
+pub(crate) use table::{F32_TABLE as TABLE, *};
+
 pub(crate) const SECOND: Interval = Interval::new(&THERMAL, 1.0);
-/// Three time constants, after which a restart counts as settled.
-pub(crate) const SETTLE_S: usize = 180;
-pub(crate) const HEAL_S: usize = 10;
-pub(crate) const HOLD_S: usize = 60;
 /// What the effective temperature may move in one second by the default settings \[degC\].
 pub(crate) const SLEW_C: f32 = 0.5;
-
-pub(crate) const T_MIN: f32 = -40.0;
-pub(crate) const T_MAX: f32 = 80.0;
-const CELL_COUNT: usize = 12;
-/// Bias at the edges of the cells: kinked, curved within, never twice the same, so that a wrong
-/// cell, place or order of coefficients cannot pass.
-const EDGES: [f32; CELL_COUNT + 1] = [
-    0.31, 0.27, 0.18, 0.22, 0.40, 0.37, 0.41, 0.55, 0.52, 0.66, 0.71, 0.93, 0.87,
-];
-pub(crate) static CELLS: [[Terms; 2]; CELL_COUNT] = cells();
-/// Two axes, 12 cells over -40..80 degC, continuous in temperature at every rate.
-pub(crate) static TABLE: Table<'static, 2> = table(THERMAL);
-
-pub(crate) const fn thermal(settings: ThermalSettings) -> Thermal {
-    match Thermal::new(settings) {
-        Ok(thermal) => thermal,
-        Err(error) => panic!("{}", error.message()),
-    }
-}
-
-pub(crate) const fn table(thermal: Thermal) -> Table<'static, 2> {
-    match Table::new(thermal, T_MIN, T_MAX, &CELLS) {
-        Ok(table) => table,
-        Err(error) => panic!("{}", error.message()),
-    }
-}
-
-const fn cells() -> [[Terms; 2]; CELL_COUNT] {
-    let none = Terms {
-        a: [0.0; 3],
-        r: [0.0; 2],
-    };
-    let mut cells = [[none; 2]; CELL_COUNT];
-    let mut k = 0;
-    while k < CELL_COUNT {
-        let (cold, hot) = (EDGES[k], EDGES[k + 1]);
-        let curve = 0.02 + 0.01 * k as f32;
-        cells[k][0] = Terms {
-            a: [cold, hot - cold - curve, curve],
-            r: [0.1 * cold, 0.1 * (hot - cold)],
-        };
-        cells[k][1] = Terms {
-            a: [-3.0 * cold, 3.0 * (cold - hot) + curve, -curve],
-            r: [0.2 - cold, cold - hot],
-        };
-        k += 1;
-    }
-    cells
-}
 
 /// Cases of a property; a few under Miri, which looks at every access and is slow.
 pub(crate) const fn cases(count: u32) -> u32 {
     if cfg!(miri) { 3 } else { count }
 }
 
+/// Rounds of a loop; fewer under Miri.
+pub(crate) const fn fewer(all: usize, under_miri: usize) -> usize {
+    if cfg!(miri) { under_miri } else { all }
+}
+
 /// Under Miri the first `under_miri` of them, else all.
 pub(crate) fn first<T>(all: &[T], under_miri: usize) -> &[T] {
-    &all[..if cfg!(miri) { under_miri } else { all.len() }]
+    &all[..fewer(all.len(), under_miri)]
 }
 
 /// How fast a bias can change with either coordinate of its point, read off the table.
