@@ -27,7 +27,9 @@ pub(crate) struct Args {
     /// Folder for the set; made if need be
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// static: a0 + a1 T + a2 T^2; composite: + a3 T' + a4 T T'
+    /// static: a0 + a1 T + a2 T^2; composite: + a3 T' + a4 T T'; spline: the same terms, segments
+    /// fitted together without jump or kink, at an effective temperature; auto: whichever does best
+    /// on soaks and ramps left out of the fit
     #[arg(long, value_enum, default_value = "composite")]
     model: ModelArg,
     /// What is applied where segments overlap
@@ -36,12 +38,13 @@ pub(crate) struct Args {
     /// Segments in degC, such as "-15:15,5:35,25:60,50:80"; without, the measured range is divided
     #[arg(long, value_name = "MIN:MAX,...", allow_hyphen_values = true)]
     segments: Option<Segmentation>,
-    /// Time constant of the rate estimator, in s
-    #[arg(long, value_name = "S", default_value_t = ThermalSettings::DEFAULT.tau_s, allow_negative_numbers = true)]
-    rate_tau: f32,
-    /// Shift of the effective temperature u = T - kappa (T - L); 0 is the paper
-    #[arg(long, default_value_t = ThermalSettings::DEFAULT.kappa, allow_negative_numbers = true)]
-    kappa: f32,
+    /// Time constant of the rate estimator, in s; without, 60, but fitted for spline and auto
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    rate_tau: Option<f32>,
+    /// Shift of the effective temperature u = T - kappa (T - L); without, 0 as in the paper, but
+    /// fitted for spline and auto
+    #[arg(long, allow_negative_numbers = true)]
+    kappa: Option<f32>,
     /// Fastest believable change of temperature, in degC/min
     #[arg(long, value_name = "RATE", default_value_t = ThermalSettings::DEFAULT.max_slew_c_per_min, allow_negative_numbers = true)]
     max_slew: f32,
@@ -61,6 +64,8 @@ pub(crate) struct Args {
 enum ModelArg {
     Static,
     Composite,
+    Spline,
+    Auto,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -83,6 +88,8 @@ pub(crate) fn run(args: &Args) -> Result<Verdict> {
         model: match args.model {
             ModelArg::Static => Model::Static,
             ModelArg::Composite => Model::Composite,
+            ModelArg::Spline => Model::Spline,
+            ModelArg::Auto => Model::Auto,
         },
         overlap: match args.overlap {
             OverlapArg::None => Overlap::None,
@@ -93,11 +100,11 @@ pub(crate) fn run(args: &Args) -> Result<Verdict> {
         },
         segments: args.segments.clone(),
         thermal: ThermalSettings {
-            tau_s: args.rate_tau,
-            kappa: args.kappa,
             max_slew_c_per_min: args.max_slew,
             ..ThermalSettings::DEFAULT
         },
+        rate_tau_s: args.rate_tau,
+        kappa: args.kappa,
         scale_factor_arcsec: args.reading.scale_factor,
         tau_s: args.tau,
     };

@@ -2,6 +2,7 @@
 
 use tempco::ThermalSettings;
 
+use crate::joint::Selection;
 use crate::model::AxisModel;
 use crate::segment::{Overlap, Segmentation};
 use crate::set::{
@@ -15,6 +16,7 @@ pub(crate) struct Fitted {
     pub(crate) temperature: String,
     pub(crate) segments: Vec<SegmentSet>,
     pub(crate) axes: Vec<AxisSet>,
+    pub(crate) selection: Option<Selection>,
 }
 
 /// Makes the channel's table; `calibrated_c` is the range of temperatures that was measured.
@@ -64,6 +66,7 @@ pub(crate) fn channel(
         axes: fitted.axes,
         table_deviation: cells.deviation,
         boundary_moved_c: cells.moved_c,
+        selection: fitted.selection,
     }
 }
 

@@ -16,6 +16,7 @@ pub mod apply;
 mod assemble;
 pub mod fit;
 mod import;
+mod joint;
 mod load;
 pub mod log;
 pub mod metrics;
@@ -29,6 +30,7 @@ mod statistics;
 mod tabulate;
 pub mod unit;
 
+pub use joint::{Candidate, Place, Selection};
 pub use load::{SetError, load_set};
 pub use regress::thermal_points;
 pub use solve::TERMS;

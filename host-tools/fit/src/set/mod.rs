@@ -8,6 +8,7 @@ pub use table::{TableData, ThermalData};
 
 use serde::{Deserialize, Serialize};
 
+use crate::joint::Selection;
 use crate::model::{Mismatch, Polynomial, mismatches};
 use crate::segment::{Overlap, Segment, SegmentError, Segmentation};
 use crate::unit::AxisUnit;
@@ -75,7 +76,7 @@ pub struct Input {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Settings {
-    /// `static` or `composite`.
+    /// `static`, `composite`, `spline` or `auto`.
     pub model: Model,
     /// What is applied where segments overlap.
     pub overlap: Overlap,
@@ -91,6 +92,11 @@ pub enum Model {
     Static,
     /// `a0 + a1 T + a2 T^2 + a3 T' + a4 T T'`
     Composite,
+    /// The same terms in every segment, the static part continuous in value and slope, the rate
+    /// part in value; fitted together with the lag shift.
+    Spline,
+    /// Whichever of the others does best on soaks and ramps it was not fitted to.
+    Auto,
 }
 
 impl Model {
@@ -99,13 +105,15 @@ impl Model {
         match self {
             Self::Static => "static",
             Self::Composite => "composite",
+            Self::Spline => "spline",
+            Self::Auto => "auto",
         }
     }
 
     pub(crate) const fn terms(self) -> usize {
         match self {
             Self::Static => 3,
-            Self::Composite => 5,
+            Self::Composite | Self::Spline | Self::Auto => 5,
         }
     }
 }
@@ -126,6 +134,9 @@ pub struct ChannelSet {
     pub table_deviation: f64,
     /// How far a boundary between segments had to be moved to fall on an edge of a cell \[degC\].
     pub boundary_moved_c: f64,
+    /// What the model was chosen from; none where it was given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub selection: Option<Selection>,
 }
 
 /// One segment as fitted.

@@ -1,0 +1,256 @@
+//! The fit: logs in, coefficient set out.
+
+mod channel;
+mod error;
+mod segments;
+
+pub(crate) use channel::ChannelFit;
+pub use error::FitError;
+
+use tempco::ThermalSettings;
+
+use crate::assemble;
+use crate::joint::{self, Blocks, Choice, FixedLag, Question, Selection};
+use crate::log::Log;
+use crate::regress::{ChannelData, is_usable, with_every_rate};
+use crate::segment::{Overlap, Segmentation};
+use crate::set::{ChannelSet, CoefficientSet, Input, Model, Provenance, Settings};
+use crate::statistics;
+
+/// The whole log must span this much for a fit to mean anything \[degC\].
+const LEAST_SPAN_C: f32 = 10.0;
+
+/// What to fit.
+#[derive(Clone, Debug)]
+pub struct FitOptions {
+    /// Serial number of the unit.
+    pub serial: String,
+    /// Form of the model.
+    pub model: Model,
+    /// What is applied where segments overlap.
+    pub overlap: Overlap,
+    /// The segments; without them the measured range is divided in the paper's manner.
+    pub segments: Option<Segmentation>,
+    /// Settings of the thermal path. The rate limits and the reference temperature are set by the
+    /// fit; time constant and `kappa` as well, where the model is a spline and they are not fixed
+    /// below.
+    pub thermal: ThermalSettings,
+    /// Time constant of the rate estimator \[s\], if it is not to be fitted.
+    pub rate_tau_s: Option<f32>,
+    /// Shift of the effective temperature, if it is not to be fitted.
+    pub kappa: Option<f32>,
+    /// Angle per pulse that the logs were read with \[arcsec\].
+    pub scale_factor_arcsec: Option<f64>,
+    /// Averaging time of the statistics \[s\].
+    pub tau_s: f64,
+}
+
+/// A fitted set and what its user should know of it.
+#[derive(Clone, Debug)]
+pub struct Fit {
+    /// The set.
+    pub set: CoefficientSet,
+    /// Remarks, such as terms that were dropped.
+    pub remarks: Vec<String>,
+}
+
+/// Fits a coefficient set to one or more logs of a unit.
+///
+/// Every log is run through the core as a unit switched on at its first row; the regressors are
+/// what the core computed.
+///
+/// # Errors
+/// Logs that do not belong together, too little temperature span, segments without data.
+pub fn fit(logs: &[Log], options: &FitOptions) -> Result<Fit, FitError> {
+    let first = logs.first().ok_or(FitError::NoLogs)?;
+    let options = &FitOptions {
+        thermal: ThermalSettings {
+            tau_s: options.rate_tau_s.unwrap_or(options.thermal.tau_s),
+            kappa: options.kappa.unwrap_or(options.thermal.kappa),
+            ..options.thermal
+        },
+        ..options.clone()
+    };
+    for log in logs {
+        check_same_axes(first, log)?;
+        check_interval(log, &options.thermal)?;
+    }
+    // While fitting, every rate counts.
+    let open = with_every_rate(options.thermal).map_err(FitError::Settings)?;
+
+    let mut remarks = Vec::new();
+    let mut unusable_rows = vec![0; logs.len()];
+    let mut channels = Vec::new();
+    let data: Vec<ChannelData> = (0..first.channels.len())
+        .map(|channel| ChannelData::new(logs, channel, &open))
+        .collect();
+    for data in &data {
+        for (count, points) in unusable_rows.iter_mut().zip(&data.points) {
+            *count += points.iter().filter(|point| !is_usable(point)).count();
+        }
+        channels.push(fit_channel(data, options, &mut remarks)?);
+    }
+    let mut set = assemble::set(
+        options.serial.clone(),
+        Provenance {
+            tool: assemble::tool(),
+            created: assemble::now(),
+            inputs: logs
+                .iter()
+                .zip(unusable_rows)
+                .map(|(log, unusable_rows)| input(log, unusable_rows))
+                .collect(),
+        },
+        Settings {
+            model: options.model,
+            overlap: match options.model {
+                Model::Spline => Overlap::Spline,
+                _ => options.overlap,
+            },
+            scale_factor_arcsec: options.scale_factor_arcsec,
+        },
+        channels,
+    );
+    statistics::note(&mut set, logs, &data, options.tau_s)?;
+    remark_on_set(&set, &mut remarks);
+    Ok(Fit { set, remarks })
+}
+
+fn fit_channel(
+    data: &ChannelData,
+    options: &FitOptions,
+    remarks: &mut Vec<String>,
+) -> Result<ChannelSet, FitError> {
+    let (t_min_c, t_max_c) = data.range(|point| point.effective_c);
+    let span_c = t_max_c - t_min_c;
+    if span_c.is_nan() || span_c < LEAST_SPAN_C {
+        return Err(FitError::Span { span_c });
+    }
+    let (choice, selection) = choose(data, options)?;
+    let fitted = match choice {
+        Choice::Segments {
+            model,
+            segmentation,
+        } => {
+            let division = (&segmentation, options.overlap);
+            segments::fit(data, options.thermal, model.terms(), division, remarks)?
+        }
+        Choice::Spline {
+            layout,
+            rate,
+            lag,
+            with_rate,
+        } => joint::fit(data, options.thermal, lag, (&layout, rate), &with_rate)?,
+    };
+    Ok(fitted.into_set(data, selection))
+}
+
+/// The form of the model, as asked for or by cross-validation.
+fn choose(
+    data: &ChannelData,
+    options: &FitOptions,
+) -> Result<(Choice, Option<Selection>), FitError> {
+    if let Model::Static | Model::Composite = options.model {
+        let segmentation = match &options.segments {
+            Some(segmentation) => segmentation.clone(),
+            None => {
+                let (t_min_c, t_max_c) = data.range(|point| point.effective_c);
+                Segmentation::over(f64::from(t_min_c), f64::from(t_max_c))?
+            }
+        };
+        let choice = Choice::Segments {
+            model: options.model,
+            segmentation,
+        };
+        return Ok((choice, None));
+    }
+    let blocks = Blocks::new(data);
+    let question = Question {
+        data,
+        blocks: &blocks,
+        settings: options.thermal,
+        fixed: FixedLag {
+            tau_s: options.rate_tau_s.map(f64::from),
+            kappa: options.kappa.map(f64::from),
+        },
+        segments: options.segments.as_ref(),
+        overlap: options.overlap,
+        all_models: options.model == Model::Auto,
+    };
+    let (choice, selection, _) = question.answer().map_err(FitError::Settings)?;
+    Ok((choice, Some(selection)))
+}
+
+fn remark_on_set(set: &CoefficientSet, remarks: &mut Vec<String>) {
+    for channel in &set.channels {
+        if channel.boundary_moved_c > 0.01 {
+            remarks.push(format!(
+                "boundaries between segments lie on no common grid of 256 cells or fewer and were \
+                 moved by up to {:.3} degC",
+                channel.boundary_moved_c
+            ));
+        }
+        for (number, axis) in channel.axes.iter().enumerate() {
+            if channel.mismatch_alarm(number) {
+                remarks.push(format!(
+                    "axis {}: neighbouring segments disagree by more than half of the bias range",
+                    axis.name
+                ));
+            }
+        }
+    }
+    for input in &set.provenance.inputs {
+        if input.unusable_rows > 0 {
+            remarks.push(format!(
+                "{}: {} rows were not fitted, since their temperature or interval was not believed",
+                input.file, input.unusable_rows
+            ));
+        }
+    }
+}
+
+fn input(log: &Log, unusable_rows: usize) -> Input {
+    Input {
+        file: log.file.clone(),
+        sha256: log.sha256.clone(),
+        rows: log.rows(),
+        skipped_rows: log.skipped_rows,
+        unusable_rows,
+        interval_s: log.interval_s,
+        duration_s: log.time_s[log.rows() - 1] - log.time_s[0],
+    }
+}
+
+fn check_same_axes(first: &Log, log: &Log) -> Result<(), FitError> {
+    let describe = |log: &Log| {
+        let channels = log.channels.iter().map(|channel| {
+            let axes = channel
+                .axes
+                .iter()
+                .map(|a| format!("{}_{}", a.name, a.unit.name()));
+            let axes: Vec<String> = axes.collect();
+            format!("{} [{}]", channel.column, axes.join(", "))
+        });
+        channels.collect::<Vec<_>>().join("; ")
+    };
+    if describe(first) == describe(log) {
+        Ok(())
+    } else {
+        Err(FitError::Different {
+            first: format!("{}: {}", first.file, describe(first)),
+            other: format!("{}: {}", log.file, describe(log)),
+        })
+    }
+}
+
+fn check_interval(log: &Log, thermal: &ThermalSettings) -> Result<(), FitError> {
+    if log.interval_s > 0.5 * f64::from(thermal.tau_s) {
+        return Err(FitError::Interval {
+            file: log.file.clone(),
+            interval_s: log.interval_s,
+            tau_s: thermal.tau_s,
+        });
+    }
+    Ok(())
+}
+

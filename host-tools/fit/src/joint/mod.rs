@@ -1,0 +1,19 @@
+//! The spline model: one least squares over the whole range, and the choice among models.
+
+mod basis;
+mod blocks;
+mod crossval;
+mod fit;
+mod folds;
+mod gram;
+mod lag;
+mod layout;
+mod select;
+mod solve;
+
+pub(crate) use blocks::Blocks;
+pub(crate) use fit::fit;
+pub(crate) use lag::FixedLag;
+pub use layout::Place;
+pub(crate) use select::{Choice, Question};
+pub use select::{Candidate, Selection};

@@ -1,0 +1,307 @@
+//! Chooses the model by what it does on soaks and ramps it was not fitted to.
+
+use serde::{Deserialize, Serialize};
+use tempco::{TableError, ThermalSettings};
+
+use crate::joint::basis::{Basis, RateForm, SparseRow};
+use crate::joint::blocks::Blocks;
+use crate::joint::crossval::HeldOut;
+use crate::joint::folds::Folds;
+use crate::joint::lag::{FixedLag, Lag, Regressors, search};
+use crate::joint::layout::{Layout, MOST_SEGMENTS, Place};
+use crate::regress::ChannelData;
+use crate::rfactor::RFactor;
+use crate::segment::{Overlap, Segmentation};
+use crate::set::Model;
+use crate::solve::{LEAST_SHARE, SENSOR_NOISE_C};
+
+/// Segments of the basis with which the lag is searched.
+const SEARCH_SEGMENTS: usize = 8;
+
+/// The narrowest segment that is tried \[degC\].
+const LEAST_WIDTH_C: f64 = 4.0;
+
+/// A model as it stood to choice.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Candidate {
+    /// Form of the model.
+    pub model: Model,
+    /// Number of segments.
+    pub segments: usize,
+    /// Where the breakpoints are.
+    pub place: Place,
+    /// Coefficients of the rate terms of an axis, 0 where there are none.
+    pub rate_columns: usize,
+    /// Free coefficients of an axis.
+    pub columns: usize,
+    /// Time constant of the rate estimator \[s\].
+    pub tau_s: f64,
+    /// Shift of the effective temperature.
+    pub kappa: f64,
+    /// Held-out root mean square error of each axis \[unit of the axis\].
+    pub rmse: Vec<f64>,
+    /// How much larger the held-out mean square is than that of the best candidate, as a share,
+    /// mean of the axes.
+    pub excess: f64,
+    /// Standard error of `excess`.
+    pub excess_sigma: f64,
+}
+
+/// The choice among models.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Selection {
+    /// Soaks and ramps found in the logs.
+    pub legs: usize,
+    /// Parts in which they were left out.
+    pub folds: usize,
+    /// The chosen model.
+    pub chosen: Candidate,
+    /// The others, best first.
+    pub others: Vec<Candidate>,
+}
+
+/// What is to be fitted in the end.
+#[derive(Clone, Debug)]
+pub(crate) enum Choice {
+    Segments {
+        model: Model,
+        segmentation: Segmentation,
+    },
+    Spline {
+        layout: Layout,
+        rate: RateForm,
+        lag: Lag,
+        /// For each axis, whether its rate terms help.
+        with_rate: Vec<bool>,
+    },
+}
+
+/// What may be chosen from.
+pub(crate) struct Question<'a> {
+    pub(crate) data: &'a ChannelData<'a>,
+    pub(crate) blocks: &'a Blocks,
+    pub(crate) settings: ThermalSettings,
+    pub(crate) fixed: FixedLag,
+    pub(crate) segments: Option<&'a Segmentation>,
+    pub(crate) overlap: Overlap,
+    /// Whether static and composite model compete.
+    pub(crate) all_models: bool,
+}
+
+struct Tried {
+    candidate: Candidate,
+    held_out: HeldOut,
+    choice: Choice,
+}
+
+impl Question<'_> {
+    /// Tries all candidates and takes the simplest within one standard error of the best.
+    pub(crate) fn answer(&self) -> Result<(Choice, Selection, HeldOut), TableError> {
+        let base = self.regressors(self.settings.tau_s.into())?;
+        let folds = Folds::new(self.blocks, base.rates());
+        let mut tried = Vec::new();
+        if self.all_models {
+            self.try_segments(&base, &folds, &mut tried);
+        }
+        self.try_splines(&base, &folds, &mut tried)?;
+        let all_axes: Vec<usize> = (0..self.blocks.axes()).collect();
+        let best = tried
+            .iter()
+            .min_by(|a, b| a.held_out.score().total_cmp(&b.held_out.score()))
+            .map(|best| best.held_out.clone())
+            .expect("a spline of one segment can always be tried");
+        for of in &mut tried {
+            (of.candidate.excess, of.candidate.excess_sigma) =
+                of.held_out.excess(&best, &all_axes);
+        }
+        tried.sort_by(|a, b| a.candidate.excess.total_cmp(&b.candidate.excess));
+        let chosen = tried
+            .iter()
+            .enumerate()
+            .filter(|(_, t)| t.candidate.excess <= t.candidate.excess_sigma)
+            .min_by_key(|(_, t)| t.candidate.columns)
+            .map_or(0, |(position, _)| position);
+        let chosen = tried.remove(chosen);
+        let selection = Selection {
+            legs: folds.legs,
+            folds: folds.count,
+            chosen: chosen.candidate,
+            others: tried.into_iter().map(|of| of.candidate).collect(),
+        };
+        Ok((chosen.choice, selection, chosen.held_out))
+    }
+
+    fn regressors(&self, tau_s: f64) -> Result<Regressors<'_>, TableError> {
+        Regressors::new(self.blocks, self.data, &self.settings, tau_s)
+    }
+
+    fn try_segments(&self, base: &Regressors, folds: &Folds, tried: &mut Vec<Tried>) {
+        let range_c = base.range_c(self.settings.kappa.into());
+        let divisions: Vec<Segmentation> = match self.segments {
+            Some(given) => vec![given.clone()],
+            None => (1..=4)
+                .filter_map(|count| Segmentation::of(count, range_c.0, range_c.1).ok())
+                .collect(),
+        };
+        for segmentation in divisions {
+            for model in [Model::Static, Model::Composite] {
+                let kappa = f64::from(self.settings.kappa);
+                let held_out = HeldOut::segments(
+                    self.blocks,
+                    folds,
+                    base,
+                    (kappa, model.terms()),
+                    &segmentation,
+                    self.overlap,
+                );
+                let Some(held_out) = held_out else { continue };
+                let segments = segmentation.segments().len();
+                let place = match self.segments {
+                    Some(_) => Place::Given,
+                    None => Place::Uniform,
+                };
+                let columns = segments * model.terms();
+                let rate_columns = segments * (model.terms() - 3);
+                let lag = Lag {
+                    tau_s: base.tau_s(),
+                    kappa,
+                };
+                tried.push(Tried {
+                    candidate: candidate(model, segments, place, (columns, rate_columns), lag, &held_out),
+                    held_out,
+                    choice: Choice::Segments {
+                        model,
+                        segmentation: segmentation.clone(),
+                    },
+                });
+            }
+        }
+    }
+
+    fn try_splines(
+        &self,
+        base: &Regressors,
+        folds: &Folds,
+        tried: &mut Vec<Tried>,
+    ) -> Result<(), TableError> {
+        let mut sorted_c = self.blocks.temp_c.clone();
+        sorted_c.sort_by(f64::total_cmp);
+        let logs = self.blocks.logs();
+        let (low, high) = base.range_c(0.0);
+        let most = (((high - low) / LEAST_WIDTH_C) as usize).clamp(1, MOST_SEGMENTS);
+        let start = Layout::uniform(SEARCH_SEGMENTS.min(most));
+        let with_rates = self.rates_can_be_told(base, &start, &sorted_c);
+        let none = Lag {
+            tau_s: base.tau_s(),
+            kappa: self.fixed.kappa.unwrap_or(0.0),
+        };
+        let layouts: Vec<Layout> = match self.segments {
+            Some(given) => vec![Layout::given(given)],
+            None => [Place::Uniform, Place::Quantile]
+                .into_iter()
+                .flat_map(|place| (1..=most).map(move |segments| Layout::Rule { place, segments }))
+                .filter(|layout| *layout != Layout::Rule { place: Place::Quantile, segments: 1 })
+                .collect(),
+        };
+        let mut lags = vec![(none, vec![RateForm::None])];
+        if with_rates {
+            let forms = [RateForm::Line, RateForm::Hats];
+            let basis = |range_c| {
+                start
+                    .basis(range_c, &sorted_c, RateForm::Line, logs)
+                    .expect("uniform breakpoints ascend")
+            };
+            let found = search(self.data, self.blocks, &self.settings, self.fixed, &basis)?;
+            lags.push((found, [RateForm::None].into_iter().chain(forms).collect()));
+            if self.fixed.kappa.is_none() {
+                let unshifted = FixedLag {
+                    kappa: Some(0.0),
+                    ..self.fixed
+                };
+                let found = search(self.data, self.blocks, &self.settings, unshifted, &basis)?;
+                lags.push((found, forms.to_vec()));
+            }
+        }
+        for (lag, forms) in lags {
+            let regressors = self.regressors(lag.tau_s)?;
+            let range_c = regressors.range_c(lag.kappa);
+            for layout in &layouts {
+                for &rate in &forms {
+                    let Some(basis) = layout.basis(range_c, &sorted_c, rate, logs) else {
+                        continue;
+                    };
+                    let held_out =
+                        HeldOut::spline(self.blocks, folds, &regressors, lag.kappa, &basis);
+                    let Some(held_out) = held_out else { continue };
+                    let columns = basis.static_columns() + basis.rate_columns();
+                    let columns = (columns, basis.rate_columns());
+                    tried.push(Tried {
+                        candidate: candidate(
+                            Model::Spline,
+                            basis.segments(),
+                            layout.place(),
+                            columns,
+                            lag,
+                            &held_out,
+                        ),
+                        held_out,
+                        choice: Choice::Spline {
+                            layout: layout.clone(),
+                            rate,
+                            lag,
+                            with_rate: vec![rate != RateForm::None; self.blocks.axes()],
+                        },
+                    });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether the rate moves enough by itself, as in the fit of a segment.
+    fn rates_can_be_told(&self, base: &Regressors, layout: &Layout, sorted_c: &[f64]) -> bool {
+        let logs = self.blocks.logs();
+        let Some(basis) = layout.basis(base.range_c(0.0), sorted_c, RateForm::Line, logs) else {
+            return false;
+        };
+        let mut factor = RFactor::new(basis.columns(), 0);
+        let mut row = SparseRow::new();
+        for (i, block) in self.blocks.blocks.iter().enumerate() {
+            basis.row(block.log, base.effective_c(i, 0.0), base.rates()[i], &mut row);
+            let mut dense = vec![0.0; basis.columns()];
+            for &(column, value) in &row {
+                dense[column] = value;
+            }
+            factor.push(dense);
+        }
+        let rate = factor.independence()[basis.columns_without_rate()];
+        rate.independent >= LEAST_SHARE * rate.whole
+            && rate.independent >= SENSOR_NOISE_C / (base.tau_s() / 60.0)
+    }
+}
+
+fn candidate(
+    model: Model,
+    segments: usize,
+    place: Place,
+    (columns, rate_columns): (usize, usize),
+    lag: Lag,
+    held_out: &HeldOut,
+) -> Candidate {
+    Candidate {
+        model,
+        segments,
+        place,
+        rate_columns,
+        columns,
+        tau_s: lag.tau_s,
+        kappa: lag.kappa,
+        rmse: (0..held_out.squares.len())
+            .map(|axis| held_out.mean_square(axis).sqrt())
+            .collect(),
+        excess: 0.0,
+        excess_sigma: 0.0,
+    }
+}
