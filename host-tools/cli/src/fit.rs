@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use anyhow::{Context, Result};
 use clap::ValueEnum;
 use tempco::ThermalSettings;
+use tempco_fit::Stretch;
 use tempco_fit::fit::{Fit, FitOptions, fit};
 use tempco_fit::segment::{Overlap, Segmentation};
 use tempco_fit::set::{CoefficientSet, Model, table_rs, write_files};
@@ -45,6 +46,12 @@ pub(crate) struct Args {
     /// fitted for spline and auto
     #[arg(long, allow_negative_numbers = true)]
     kappa: Option<f32>,
+    /// Leave a stretch of log time out of the fit, in s, in every log (repeat)
+    #[arg(long, value_name = "T1:T2", value_parser = stretch, allow_hyphen_values = true)]
+    exclude: Vec<Stretch>,
+    /// Fit spikes and disturbances like everything else
+    #[arg(long)]
+    keep_outliers: bool,
     /// Fastest believable change of temperature, in degC/min
     #[arg(long, value_name = "RATE", default_value_t = ThermalSettings::DEFAULT.max_slew_c_per_min, allow_negative_numbers = true)]
     max_slew: f32,
@@ -77,6 +84,14 @@ enum OverlapArg {
     Smooth,
 }
 
+fn stretch(text: &str) -> Result<Stretch, String> {
+    let ends = text.split_once(':').and_then(|(from, to)| {
+        let (from_s, to_s) = (from.trim().parse().ok()?, to.trim().parse().ok()?);
+        (from_s < to_s).then_some(Stretch { from_s, to_s })
+    });
+    ends.ok_or_else(|| "expected T1:T2 in s, T1 before T2".to_owned())
+}
+
 pub(crate) fn run(args: &Args) -> Result<Verdict> {
     let logs = args
         .logs
@@ -105,6 +120,8 @@ pub(crate) fn run(args: &Args) -> Result<Verdict> {
         },
         rate_tau_s: args.rate_tau,
         kappa: args.kappa,
+        exclude: args.exclude.clone(),
+        robust: !args.keep_outliers,
         scale_factor_arcsec: args.reading.scale_factor,
         tau_s: args.tau,
     };

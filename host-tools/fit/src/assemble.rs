@@ -4,6 +4,7 @@ use tempco::ThermalSettings;
 
 use crate::joint::Selection;
 use crate::model::AxisModel;
+use crate::screen::Screening;
 use crate::segment::{Overlap, Segmentation};
 use crate::set::{
     AxisSet, ChannelSet, CoefficientSet, FORMAT_VERSION, Provenance, SegmentSet, Settings,
@@ -16,6 +17,7 @@ pub(crate) struct Fitted {
     pub(crate) temperature: String,
     pub(crate) segments: Vec<SegmentSet>,
     pub(crate) axes: Vec<AxisSet>,
+    pub(crate) screening: Option<Screening>,
     pub(crate) selection: Option<Selection>,
 }
 
@@ -66,6 +68,7 @@ pub(crate) fn channel(
         axes: fitted.axes,
         table_deviation: cells.deviation,
         boundary_moved_c: cells.moved_c,
+        screening: fitted.screening,
         selection: fitted.selection,
     }
 }

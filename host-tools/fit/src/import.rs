@@ -94,6 +94,7 @@ pub(crate) fn static_coefficients(path: &Path, text: &str) -> Result<Coefficient
                     statistics: None,
                 })
                 .collect(),
+            screening: None,
             selection: None,
         },
         &segmentation,

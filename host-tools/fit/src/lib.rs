@@ -23,14 +23,18 @@ pub mod metrics;
 pub mod model;
 mod regress;
 pub mod rfactor;
+mod screen;
 pub mod segment;
 pub mod set;
 mod solve;
 mod statistics;
 mod tabulate;
+#[cfg(test)]
+mod testing;
 pub mod unit;
 
 pub use joint::{Candidate, Place, Selection};
 pub use load::{SetError, load_set};
 pub use regress::thermal_points;
+pub use screen::{BiasStep, Screening, Stretch};
 pub use solve::TERMS;

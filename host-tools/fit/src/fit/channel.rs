@@ -6,6 +6,7 @@ use crate::assemble::{self, Fitted};
 use crate::joint::Selection;
 use crate::model::Polynomial;
 use crate::regress::ChannelData;
+use crate::screen::Screening;
 use crate::segment::{Overlap, Segmentation};
 use crate::set::{AxisSet, ChannelSet, CoefficientSigmas, SegmentSet};
 
@@ -28,7 +29,12 @@ pub(crate) struct ChannelFit {
 
 impl ChannelFit {
     /// Makes the table.
-    pub(crate) fn into_set(self, data: &ChannelData, selection: Option<Selection>) -> ChannelSet {
+    pub(crate) fn into_set(
+        self,
+        data: &ChannelData,
+        screening: Screening,
+        selection: Option<Selection>,
+    ) -> ChannelSet {
         let reference_c = match self.calibrated_c {
             (low, high) if (low..=high).contains(&25.0) => 25.0,
             (low, high) => 0.5 * (low + high),
@@ -56,6 +62,7 @@ impl ChannelFit {
                     statistics: None,
                 })
                 .collect(),
+            screening: Some(screening),
             selection,
         };
         assemble::channel(

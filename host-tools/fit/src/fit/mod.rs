@@ -13,6 +13,7 @@ use crate::assemble;
 use crate::joint::{self, Blocks, Choice, FixedLag, Question, Selection};
 use crate::log::Log;
 use crate::regress::{ChannelData, is_usable, with_every_rate};
+use crate::screen::{Screening, Stretch, screen};
 use crate::segment::{Overlap, Segmentation};
 use crate::set::{ChannelSet, CoefficientSet, Input, Model, Provenance, Settings};
 use crate::statistics;
@@ -39,6 +40,10 @@ pub struct FitOptions {
     pub rate_tau_s: Option<f32>,
     /// Shift of the effective temperature, if it is not to be fitted.
     pub kappa: Option<f32>,
+    /// Stretches of log time that are not fitted, in every log.
+    pub exclude: Vec<Stretch>,
+    /// Whether spikes and disturbances are left out.
+    pub robust: bool,
     /// Angle per pulse that the logs were read with \[arcsec\].
     pub scale_factor_arcsec: Option<f64>,
     /// Averaging time of the statistics \[s\].
@@ -81,10 +86,10 @@ pub fn fit(logs: &[Log], options: &FitOptions) -> Result<Fit, FitError> {
     let mut remarks = Vec::new();
     let mut unusable_rows = vec![0; logs.len()];
     let mut channels = Vec::new();
-    let data: Vec<ChannelData> = (0..first.channels.len())
+    let mut data: Vec<ChannelData> = (0..first.channels.len())
         .map(|channel| ChannelData::new(logs, channel, &open))
         .collect();
-    for data in &data {
+    for data in &mut data {
         for (count, points) in unusable_rows.iter_mut().zip(&data.points) {
             *count += points.iter().filter(|point| !is_usable(point)).count();
         }
@@ -117,10 +122,13 @@ pub fn fit(logs: &[Log], options: &FitOptions) -> Result<Fit, FitError> {
 }
 
 fn fit_channel(
-    data: &ChannelData,
+    data: &mut ChannelData,
     options: &FitOptions,
     remarks: &mut Vec<String>,
 ) -> Result<ChannelSet, FitError> {
+    let screening = screen(data, &options.thermal, &options.exclude, options.robust)
+        .map_err(FitError::Settings)?;
+    remark_on_screening(data, &screening, remarks);
     let (t_min_c, t_max_c) = data.range(|point| point.effective_c);
     let span_c = t_max_c - t_min_c;
     if span_c.is_nan() || span_c < LEAST_SPAN_C {
@@ -142,7 +150,26 @@ fn fit_channel(
             with_rate,
         } => joint::fit(data, options.thermal, lag, (&layout, rate), &with_rate)?,
     };
-    Ok(fitted.into_set(data, selection))
+    Ok(fitted.into_set(data, screening, selection))
+}
+
+fn remark_on_screening(data: &ChannelData, found: &Screening, remarks: &mut Vec<String>) {
+    let temperature = &data.logs[0].channels[data.channel].column;
+    let counts = [
+        (found.excluded_rows, "in excluded stretches"),
+        (found.spike_rows, "spikes"),
+        (found.disturbed_rows, "disturbed for 10 s or more"),
+    ];
+    for (rows, why) in counts.into_iter().filter(|(rows, _)| *rows > 0) {
+        remarks.push(format!("{temperature}: {rows} rows left out: {why}"));
+    }
+    for step in &found.steps {
+        remarks.push(format!(
+            "{}: the bias of {} steps by {:+.3e} at {:.0} s; leave the stretch out by --exclude if \
+             it is not of the unit",
+            step.file, step.axis, step.size, step.time_s
+        ));
+    }
 }
 
 /// The form of the model, as asked for or by cross-validation.

@@ -47,10 +47,6 @@ impl Basis {
         &self.breakpoints_c
     }
 
-    pub(crate) fn rate(&self) -> RateForm {
-        self.rate
-    }
-
     pub(crate) fn segments(&self) -> usize {
         self.breakpoints_c.len() - 1
     }
@@ -74,14 +70,6 @@ impl Basis {
 
     pub(crate) fn columns(&self) -> usize {
         self.columns_without_rate() + self.rate_columns()
-    }
-
-    /// The same without rate columns.
-    pub(crate) fn without_rate(&self) -> Self {
-        Self {
-            rate: RateForm::None,
-            ..self.clone()
-        }
     }
 
     /// Writes the entries of a row; a temperature beyond the range counts as its nearest end.

@@ -11,8 +11,9 @@ const LEAST_LEG_S: f64 = 600.0;
 /// The most folds; with more legs, every so-many-th leg goes into the same fold.
 const MOST_FOLDS: usize = 16;
 
-/// With fewer legs than this, time is cut into as many equal parts instead.
-const LEAST_FOLDS: usize = 4;
+/// With fewer legs than this, time is cut into as many equal parts instead, and nothing that
+/// depends on the rate can be judged: it was hardly passed twice.
+pub(crate) const LEAST_FOLDS: usize = 4;
 
 /// For each block the fold in which it is left out, and the number of folds.
 ///
@@ -41,12 +42,12 @@ impl Folds {
             let times: Vec<f64> = of_log.iter().map(|&i| blocks.blocks[i].time_s).collect();
             let mut found = legs_of(&times, &rates[first..first + of_log.len()]);
             let mut count = found.last().map_or(0, |last| last + 1);
+            total += count;
             if count < LEAST_FOLDS && blocks.logs() < LEAST_FOLDS {
                 let n = found.len();
                 found = (0..n).map(|i| i * LEAST_FOLDS / n).collect();
                 count = LEAST_FOLDS;
             }
-            total += count;
             most = most.max(count);
             legs.extend(found);
         }

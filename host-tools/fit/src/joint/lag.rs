@@ -17,11 +17,11 @@ pub(crate) const TAU_RANGE_S: (f64, f64) = (30.0, 2400.0);
 /// Time constants of the first pass; neighbours are a factor of 1.44 apart.
 const GRID: usize = 13;
 
-/// Golden sections of kappa; the last interval is 1 % of the range.
-const KAPPA_STEPS: usize = 10;
+/// Parabolas through the three best shifts while time constants are compared, and at the end.
+const KAPPA_STEPS: (usize, usize) = (1, 6);
 
-/// Golden sections of log tau between the neighbours of the best grid point.
-const TAU_STEPS: usize = 5;
+/// The same for log tau, between the neighbours of the best grid point.
+const TAU_STEPS: usize = 3;
 
 /// A time constant with its shift.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -111,6 +111,14 @@ pub(crate) fn log_likelihood(whole: &Gram, axes: usize) -> f64 {
         .sum()
 }
 
+/// What a search found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Found {
+    pub(crate) best: Lag,
+    /// The best of those without shift; `best` where the shift is given.
+    pub(crate) unshifted: Lag,
+}
+
 /// Searches tau and kappa of least residual; the coefficients are eliminated at every step.
 ///
 /// `layout` makes the basis over a range of effective temperatures.
@@ -120,96 +128,118 @@ pub(crate) fn search(
     settings: &ThermalSettings,
     fixed: FixedLag,
     layout: &dyn Fn((f64, f64)) -> Basis,
-) -> Result<Lag, TableError> {
+) -> Result<Found, TableError> {
     let whole = Folds {
         of_block: vec![0; blocks.blocks.len()],
         count: 1,
         legs: 1,
     };
-    let best_kappa = |tau_s: f64| -> Result<(f64, f64), TableError> {
+    // Cost without shift, and with the best one.
+    let costs_at = |tau_s: f64, steps: usize| -> Result<(f64, Lowest), TableError> {
         let regressors = Regressors::new(blocks, data, settings, tau_s)?;
         let cost = |kappa: f64| {
             let basis = layout(regressors.range_c(kappa));
             let grams = regressors.grams(blocks, &whole, &basis, kappa);
             log_likelihood(&grams[0], blocks.axes())
         };
-        Ok(match fixed.kappa {
-            Some(kappa) => (kappa, cost(kappa)),
-            None => golden(KAPPA_RANGE, KAPPA_STEPS, cost),
+        if let Some(kappa) = fixed.kappa {
+            let at = cost(kappa);
+            return Ok((at, Lowest { x: kappa, value: at }));
+        }
+        let mut unshifted = f64::INFINITY;
+        let lowest = lowest(KAPPA_RANGE, steps, |kappa| {
+            let at = cost(kappa);
+            if kappa == 0.0 {
+                unshifted = at;
+            }
+            Ok(at)
+        })?;
+        Ok((unshifted, lowest))
+    };
+    let finest = |tau_s: f64| -> Result<Lag, TableError> {
+        let (_, lowest) = costs_at(tau_s, KAPPA_STEPS.1)?;
+        Ok(Lag {
+            tau_s,
+            kappa: lowest.x,
         })
     };
+    let without = |tau_s: f64| Lag {
+        tau_s,
+        kappa: fixed.kappa.unwrap_or(0.0),
+    };
     if let Some(tau_s) = fixed.tau_s {
-        let (kappa, _) = best_kappa(tau_s)?;
-        return Ok(Lag { tau_s, kappa });
+        return Ok(Found {
+            best: finest(tau_s)?,
+            unshifted: without(tau_s),
+        });
     }
     // A filter must see several rows per time constant.
-    let slowest = data.logs.iter().map(|log| log.interval_s).fold(0.0, f64::max);
+    let intervals = data.logs.iter().map(|log| log.interval_s);
     let (low, high) = TAU_RANGE_S;
-    let low = (4.0 * slowest).clamp(low, high);
+    let low = (4.0 * intervals.fold(0.0, f64::max)).clamp(low, high);
     let tau_at = |x: f64| low * (high / low).powf(x);
-    let mut tried = Vec::with_capacity(GRID);
-    for step in 0..GRID {
-        let x = step as f64 / (GRID - 1) as f64;
-        let (kappa, cost) = best_kappa(tau_at(x))?;
-        tried.push((cost, x, kappa));
-    }
-    let best = tried.iter().copied().min_by(|a, b| a.0.total_cmp(&b.0));
-    let (cost, x, kappa) = best.unwrap_or((f64::INFINITY, 0.0, 0.0));
     let step = 1.0 / (GRID - 1) as f64;
-    let mut failed = None;
+    let mut least = [(f64::INFINITY, 0.0); 2];
+    for x in (0..GRID).map(|i| i as f64 * step) {
+        let (unshifted, shifted) = costs_at(tau_at(x), KAPPA_STEPS.0)?;
+        for (least, cost) in least.iter_mut().zip([unshifted, shifted.value]) {
+            if cost < least.0 {
+                *least = (cost, x);
+            }
+        }
+    }
+    let [(_, unshifted), (_, x)] = least;
     let around = ((x - step).max(0.0), (x + step).min(1.0));
-    let (refined, refined_cost) = golden(around, TAU_STEPS, |x| {
-        best_kappa(tau_at(x)).map_or_else(
-            |error| {
-                failed = Some(error);
-                f64::INFINITY
-            },
-            |(_, cost)| cost,
-        )
-    });
-    if let Some(error) = failed {
-        return Err(error);
-    }
-    if refined_cost < cost {
-        let tau_s = tau_at(refined);
-        let (kappa, _) = best_kappa(tau_s)?;
-        return Ok(Lag { tau_s, kappa });
-    }
-    Ok(Lag {
-        tau_s: tau_at(x),
-        kappa,
+    let best = lowest(around, TAU_STEPS, |x| {
+        Ok(costs_at(tau_at(x), KAPPA_STEPS.0)?.1.value)
+    })?;
+    Ok(Found {
+        best: finest(tau_at(best.x))?,
+        unshifted: without(tau_at(unshifted)),
     })
 }
 
-/// The least of a function with one minimum, and its value; the ends are tried as well.
-fn golden((low, high): (f64, f64), steps: usize, mut cost: impl FnMut(f64) -> f64) -> (f64, f64) {
-    const RATIO: f64 = 0.618_033_988_749_894_8;
-    let mut best = (low, cost(low));
-    let mut note = |x: f64, value: f64| {
-        if value < best.1 {
-            best = (x, value);
-        }
-    };
-    note(high, cost(high));
-    let (mut from, mut to) = (low, high);
-    let (mut a, mut b) = (to - RATIO * (to - from), from + RATIO * (to - from));
-    let (mut at_a, mut at_b) = (cost(a), cost(b));
-    for _ in 0..steps {
-        note(a, at_a);
-        note(b, at_b);
-        if at_a < at_b {
-            (to, b, at_b) = (b, a, at_a);
-            a = to - RATIO * (to - from);
-            at_a = cost(a);
-        } else {
-            (from, a, at_a) = (a, b, at_b);
-            b = from + RATIO * (to - from);
-            at_b = cost(b);
-        }
+/// Where a function is lowest, and its value there.
+#[derive(Clone, Copy, Debug)]
+struct Lowest {
+    x: f64,
+    value: f64,
+}
+
+/// Looks for the lowest place of a smooth function by parabolas: both ends and the middle first,
+/// then `steps` times the lowest place of the parabola through the best place and its neighbours.
+fn lowest(
+    (low, high): (f64, f64),
+    steps: usize,
+    mut cost: impl FnMut(f64) -> Result<f64, TableError>,
+) -> Result<Lowest, TableError> {
+    let mut tried: Vec<(f64, f64)> = Vec::new();
+    for x in [low, 0.5 * (low + high), high] {
+        tried.push((x, cost(x)?));
     }
-    note(a, at_a);
-    note(b, at_b);
-    best
+    for _ in 0..steps {
+        let best = position_of_lowest(&tried).clamp(1, tried.len() - 2);
+        let [(x0, y0), (x1, y1), (x2, y2)] = [tried[best - 1], tried[best], tried[best + 1]];
+        let (before, after) = ((x1 - x0) * (y1 - y2), (x1 - x2) * (y1 - y0));
+        let vertex = x1 - 0.5 * ((x1 - x0) * before - (x1 - x2) * after) / (before - after);
+        // Where the vertex tells nothing new, the middle of the wider side does.
+        let apart = 0.01 * (x2 - x0);
+        let near = |x: f64| [x0, x1, x2].iter().any(|known| (x - known).abs() < apart);
+        let middle = if x1 - x0 > x2 - x1 { 0.5 * (x0 + x1) } else { 0.5 * (x1 + x2) };
+        let inside = vertex > x0 && vertex < x2;
+        let x = if inside && !near(vertex) { vertex } else { middle };
+        let at = tried.partition_point(|&(known, _)| known < x);
+        tried.insert(at, (x, cost(x)?));
+    }
+    let (x, value) = tried[position_of_lowest(&tried)];
+    Ok(Lowest { x, value })
+}
+
+fn position_of_lowest(tried: &[(f64, f64)]) -> usize {
+    let values = tried.iter().enumerate();
+    values
+        .min_by(|(_, a), (_, b)| a.1.total_cmp(&b.1))
+        .map_or(0, |(position, _)| position)
 }
 
 #[cfg(test)]
@@ -217,10 +247,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn golden_sections_find_a_minimum_inside_and_at_the_ends() {
+    fn parabolas_find_a_minimum_inside_and_at_the_ends() {
         for (minimum, expected) in [(0.7, 0.7), (-1.0, 0.0), (3.0, 1.3)] {
-            let (x, _) = golden(KAPPA_RANGE, 14, |x| (x - minimum).powi(2));
-            assert!((x - expected).abs() < 2e-3, "{x} for {minimum}");
+            let found = lowest(KAPPA_RANGE, 6, |x| {
+                Ok((x - minimum).powi(2) + 0.3 * (x - minimum).powi(4))
+            });
+            let x = found.unwrap().x;
+            assert!((x - expected).abs() < 0.02, "{x} for {minimum}");
         }
     }
 }

@@ -11,8 +11,10 @@ mod layout;
 mod select;
 mod solve;
 
+pub(crate) use basis::{Basis, RateForm, SparseRow, dot};
 pub(crate) use blocks::Blocks;
 pub(crate) use fit::fit;
+pub(crate) use gram::Gram;
 pub(crate) use lag::FixedLag;
 pub use layout::Place;
 pub(crate) use select::{Choice, Question};

@@ -3,10 +3,10 @@
 use serde::{Deserialize, Serialize};
 use tempco::{TableError, ThermalSettings};
 
-use crate::joint::basis::{Basis, RateForm, SparseRow};
+use crate::joint::basis::{RateForm, SparseRow};
 use crate::joint::blocks::Blocks;
 use crate::joint::crossval::HeldOut;
-use crate::joint::folds::Folds;
+use crate::joint::folds::{Folds, LEAST_FOLDS};
 use crate::joint::lag::{FixedLag, Lag, Regressors, search};
 use crate::joint::layout::{Layout, MOST_SEGMENTS, Place};
 use crate::regress::ChannelData;
@@ -123,7 +123,8 @@ impl Question<'_> {
             .filter(|(_, t)| t.candidate.excess <= t.candidate.excess_sigma)
             .min_by_key(|(_, t)| t.candidate.columns)
             .map_or(0, |(position, _)| position);
-        let chosen = tried.remove(chosen);
+        let mut chosen = tried.remove(chosen);
+        self.drop_rates_that_do_not_help(&folds, &mut chosen)?;
         let selection = Selection {
             legs: folds.legs,
             folds: folds.count,
@@ -137,6 +138,49 @@ impl Question<'_> {
         Regressors::new(self.blocks, self.data, &self.settings, tau_s)
     }
 
+    /// An axis keeps its rate terms only if they lower its held-out error by more than one
+    /// standard error.
+    fn drop_rates_that_do_not_help(
+        &self,
+        folds: &Folds,
+        chosen: &mut Tried,
+    ) -> Result<(), TableError> {
+        let Choice::Spline {
+            layout,
+            rate,
+            lag,
+            with_rate,
+        } = &mut chosen.choice
+        else {
+            return Ok(());
+        };
+        if *rate == RateForm::None {
+            return Ok(());
+        }
+        let regressors = self.regressors(lag.tau_s)?;
+        let mut sorted_c = self.blocks.temp_c.clone();
+        sorted_c.sort_by(f64::total_cmp);
+        let range_c = regressors.range_c(lag.kappa);
+        let logs = self.blocks.logs();
+        let held_out = layout
+            .basis(range_c, &sorted_c, RateForm::None, logs)
+            .and_then(|basis| {
+                HeldOut::spline(self.blocks, folds, &regressors, lag.kappa, &basis)
+            });
+        let Some(without) = held_out else {
+            return Ok(());
+        };
+        for (axis, with_rate) in with_rate.iter_mut().enumerate() {
+            let (excess, sigma) = without.excess(&chosen.held_out, &[axis]);
+            *with_rate = excess > sigma;
+            if !*with_rate {
+                chosen.held_out.squares[axis].clone_from(&without.squares[axis]);
+                chosen.candidate.rmse[axis] = without.mean_square(axis).sqrt();
+            }
+        }
+        Ok(())
+    }
+
     fn try_segments(&self, base: &Regressors, folds: &Folds, tried: &mut Vec<Tried>) {
         let range_c = base.range_c(self.settings.kappa.into());
         let divisions: Vec<Segmentation> = match self.segments {
@@ -147,6 +191,9 @@ impl Question<'_> {
         };
         for segmentation in divisions {
             for model in [Model::Static, Model::Composite] {
+                if model == Model::Composite && folds.legs < LEAST_FOLDS {
+                    continue;
+                }
                 let kappa = f64::from(self.settings.kappa);
                 let held_out = HeldOut::segments(
                     self.blocks,
@@ -192,42 +239,38 @@ impl Question<'_> {
         let (low, high) = base.range_c(0.0);
         let most = (((high - low) / LEAST_WIDTH_C) as usize).clamp(1, MOST_SEGMENTS);
         let start = Layout::uniform(SEARCH_SEGMENTS.min(most));
-        let with_rates = self.rates_can_be_told(base, &start, &sorted_c);
+        let with_rates =
+            folds.legs >= LEAST_FOLDS && self.rates_can_be_told(base, &start, &sorted_c);
         let none = Lag {
             tau_s: base.tau_s(),
             kappa: self.fixed.kappa.unwrap_or(0.0),
         };
-        let layouts: Vec<Layout> = match self.segments {
-            Some(given) => vec![Layout::given(given)],
-            None => [Place::Uniform, Place::Quantile]
-                .into_iter()
-                .flat_map(|place| (1..=most).map(move |segments| Layout::Rule { place, segments }))
-                .filter(|layout| *layout != Layout::Rule { place: Place::Quantile, segments: 1 })
-                .collect(),
+        let uniform = (1..=most).map(Layout::uniform);
+        let quantile = (2..=most).map(|segments| Layout::Rule {
+            place: Place::Quantile,
+            segments,
+        });
+        let (uniform, all): (Vec<Layout>, Vec<Layout>) = match self.segments {
+            Some(given) => (vec![Layout::given(given)], vec![Layout::given(given)]),
+            None => (uniform.clone().collect(), uniform.chain(quantile).collect()),
         };
-        let mut lags = vec![(none, vec![RateForm::None])];
+        let mut lags = vec![(none, &uniform, vec![RateForm::None])];
         if with_rates {
-            let forms = [RateForm::Line, RateForm::Hats];
             let basis = |range_c| {
                 start
                     .basis(range_c, &sorted_c, RateForm::Line, logs)
                     .expect("uniform breakpoints ascend")
             };
             let found = search(self.data, self.blocks, &self.settings, self.fixed, &basis)?;
-            lags.push((found, [RateForm::None].into_iter().chain(forms).collect()));
+            lags.push((found.best, &all, vec![RateForm::Line, RateForm::Hats]));
             if self.fixed.kappa.is_none() {
-                let unshifted = FixedLag {
-                    kappa: Some(0.0),
-                    ..self.fixed
-                };
-                let found = search(self.data, self.blocks, &self.settings, unshifted, &basis)?;
-                lags.push((found, forms.to_vec()));
+                lags.push((found.unshifted, &uniform, vec![RateForm::Line]));
             }
         }
-        for (lag, forms) in lags {
+        for (lag, layouts, forms) in lags {
             let regressors = self.regressors(lag.tau_s)?;
             let range_c = regressors.range_c(lag.kappa);
-            for layout in &layouts {
+            for layout in layouts {
                 for &rate in &forms {
                     let Some(basis) = layout.basis(range_c, &sorted_c, rate, logs) else {
                         continue;

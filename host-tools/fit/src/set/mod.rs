@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::joint::Selection;
 use crate::model::{Mismatch, Polynomial, mismatches};
+use crate::screen::Screening;
 use crate::segment::{Overlap, Segment, SegmentError, Segmentation};
 use crate::unit::AxisUnit;
 
@@ -134,6 +135,9 @@ pub struct ChannelSet {
     pub table_deviation: f64,
     /// How far a boundary between segments had to be moved to fall on an edge of a cell \[degC\].
     pub boundary_moved_c: f64,
+    /// What was left out of the fit, and what was found in the logs; none in an imported set.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub screening: Option<Screening>,
     /// What the model was chosen from; none where it was given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub selection: Option<Selection>,

@@ -121,6 +121,8 @@ fn calibrate(logs: &[Log], model: Model, overlap: Overlap) -> Result<Coefficient
         thermal: ThermalSettings::DEFAULT,
         rate_tau_s: None,
         kappa: None,
+        exclude: Vec::new(),
+        robust: true,
         scale_factor_arcsec: None,
         tau_s: TAU_S,
     };
