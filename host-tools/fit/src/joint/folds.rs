@@ -11,8 +11,8 @@ const LEAST_LEG_S: f64 = 600.0;
 /// The most folds; with more legs, every so-many-th leg goes into the same fold.
 const MOST_FOLDS: usize = 16;
 
-/// With fewer legs than this, time is cut into as many equal parts instead, and nothing that
-/// depends on the rate can be judged: it was hardly passed twice.
+/// With fewer legs than this, time is cut into [`MOST_FOLDS`] equal parts instead, and nothing that
+/// depends on the rate can be judged: no temperature was passed twice at two rates.
 pub(crate) const LEAST_FOLDS: usize = 4;
 
 /// For each block the fold in which it is left out, and the number of folds.
@@ -45,8 +45,8 @@ impl Folds {
             total += count;
             if count < LEAST_FOLDS && blocks.logs() < LEAST_FOLDS {
                 let n = found.len();
-                found = (0..n).map(|i| i * LEAST_FOLDS / n).collect();
-                count = LEAST_FOLDS;
+                found = (0..n).map(|i| i * MOST_FOLDS / n).collect();
+                count = MOST_FOLDS;
             }
             most = most.max(count);
             legs.extend(found);

@@ -9,10 +9,10 @@ const LASTING_S: f64 = 1200.0;
 const SUDDEN_S: f64 = 120.0;
 
 /// A step is this many times the usual difference of the means.
-const LIMIT: f64 = 8.0;
+const LIMIT: f64 = 6.0;
 
 /// The sudden change is this many times the usual one.
-const SUDDEN_LIMIT: f64 = 5.0;
+const SUDDEN_LIMIT: f64 = 4.0;
 
 /// Of the lasting change, at least this share must be sudden.
 const SUDDEN_SHARE: f64 = 0.6;
@@ -43,7 +43,8 @@ pub(super) fn find(times_s: &[f64], values: &[f64]) -> Vec<(f64, f64)> {
     let (lasting, usual) = differences(LASTING_S);
     let (sudden, usual_sudden) = differences(SUDDEN_S);
     let limit = LIMIT * usual;
-    let mut steps: Vec<(f64, f64)> = Vec::new();
+    let mut steps = Vec::new();
+    let mut peaks: Vec<f64> = Vec::new();
     let mut order: Vec<usize> = (0..values.len())
         .filter(|&i| lasting[i].is_some_and(|d| limit > 0.0 && d.abs() > limit))
         .collect();
@@ -51,16 +52,18 @@ pub(super) fn find(times_s: &[f64], values: &[f64]) -> Vec<(f64, f64)> {
     order.sort_by(|&a, &b| size_at(b).abs().total_cmp(&size_at(a).abs()));
     for i in order {
         let (time_s, size) = (times_s[i], size_at(i));
-        let near = |&(known, _): &(f64, f64)| (time_s - known).abs() < 2.0 * LASTING_S;
-        if steps.iter().any(near) {
+        // What is near a larger change is its flank.
+        let near = |peak: &f64| (time_s - peak).abs() < 2.0 * LASTING_S;
+        if peaks.iter().any(near) {
             continue;
         }
+        peaks.push(time_s);
         let at_once = sudden[i].unwrap_or(0.0);
         if at_once / size > SUDDEN_SHARE && at_once.abs() > SUDDEN_LIMIT * usual_sudden {
             steps.push((time_s, size));
         }
     }
-    steps.sort_by(|a, b| a.0.total_cmp(&b.0));
+    steps.sort_by(|a: &(f64, f64), b| a.0.total_cmp(&b.0));
     steps
 }
 
