@@ -33,7 +33,7 @@ mod tabulate;
 mod testing;
 pub mod unit;
 
-pub use joint::{Candidate, Place, Selection};
+pub use joint::{Candidate, HeldOutErrors, Place, Selection};
 pub use load::{SetError, load_set};
 pub use regress::thermal_points;
 pub use screen::{BiasStep, Screening, Stretch};

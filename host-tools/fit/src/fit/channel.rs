@@ -3,12 +3,12 @@
 use tempco::ThermalSettings;
 
 use crate::assemble::{self, Fitted};
-use crate::joint::Selection;
+use crate::joint::{HeldOutErrors, Selection};
 use crate::model::Polynomial;
 use crate::regress::ChannelData;
 use crate::screen::Screening;
 use crate::segment::{Overlap, Segmentation};
-use crate::set::{AxisSet, ChannelSet, CoefficientSigmas, SegmentSet};
+use crate::set::{AxisSet, ChannelSet, CoefficientSigmas, NoiseSet, SegmentSet};
 
 /// A fitted channel before its table is made.
 pub(crate) struct ChannelFit {
@@ -25,6 +25,16 @@ pub(crate) struct ChannelFit {
     pub(crate) polynomials: Vec<Vec<Polynomial>>,
     /// By axis and segment.
     pub(crate) sigmas: Vec<Vec<CoefficientSigmas>>,
+    /// By axis, where `sigmas` account for it.
+    pub(crate) noises: Vec<Option<NoiseSet>>,
+}
+
+/// What was found on the way to a fit.
+pub(crate) struct Findings {
+    pub(crate) screening: Screening,
+    pub(crate) selection: Option<Selection>,
+    /// By axis.
+    pub(crate) held_out: Vec<HeldOutErrors>,
 }
 
 impl ChannelFit {
@@ -32,8 +42,7 @@ impl ChannelFit {
     pub(crate) fn into_set(
         self,
         data: &ChannelData,
-        screening: Screening,
-        selection: Option<Selection>,
+        findings: Findings,
     ) -> ChannelSet {
         let reference_c = match self.calibrated_c {
             (low, high) if (low..=high).contains(&25.0) => 25.0,
@@ -53,17 +62,20 @@ impl ChannelFit {
                 .axes
                 .iter()
                 .zip(self.polynomials)
-                .zip(self.sigmas)
-                .map(|((axis, polynomials), sigmas)| AxisSet {
+                .zip(self.sigmas.into_iter().zip(self.noises))
+                .zip(findings.held_out)
+                .map(|(((axis, polynomials), (sigmas, noise)), held_out)| AxisSet {
                     name: axis.name.clone(),
                     unit: axis.unit,
                     polynomials,
                     sigmas,
+                    noise,
+                    held_out: Some(held_out),
                     statistics: None,
                 })
                 .collect(),
-            screening: Some(screening),
-            selection,
+            screening: Some(findings.screening),
+            selection: findings.selection,
         };
         assemble::channel(
             fitted,

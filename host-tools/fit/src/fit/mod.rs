@@ -5,12 +5,13 @@ mod error;
 mod segments;
 
 pub(crate) use channel::ChannelFit;
+use channel::Findings;
 pub use error::FitError;
 
 use tempco::ThermalSettings;
 
 use crate::assemble;
-use crate::joint::{self, Blocks, Choice, FixedLag, Question, Selection};
+use crate::joint::{self, Blocks, Choice, Chosen, FixedLag, Question, RateForm};
 use crate::log::Log;
 use crate::regress::{ChannelData, is_usable, with_every_rate};
 use crate::screen::{Screening, Stretch, screen};
@@ -134,7 +135,39 @@ fn fit_channel(
     if span_c.is_nan() || span_c < LEAST_SPAN_C {
         return Err(FitError::Span { span_c });
     }
-    let (choice, selection) = choose(data, options)?;
+    let segmentation = match &options.segments {
+        Some(segmentation) => segmentation.clone(),
+        None => Segmentation::over(f64::from(t_min_c), f64::from(t_max_c))?,
+    };
+    let blocks = Blocks::new(data);
+    let question = Question {
+        data,
+        blocks: &blocks,
+        settings: options.thermal,
+        fixed: FixedLag {
+            tau_s: options.rate_tau_s.map(f64::from),
+            kappa: options.kappa.map(f64::from),
+        },
+        segments: options.segments.as_ref(),
+        overlap: options.overlap,
+        all_models: options.model == Model::Auto,
+    };
+    let (choice, selection, chosen) = match options.model {
+        Model::Static | Model::Composite => {
+            let choice = Choice::Segments {
+                model: options.model,
+                segmentation: segmentation.clone(),
+            };
+            (choice, None, Chosen::Model(options.model))
+        }
+        Model::Spline | Model::Auto => {
+            let (choice, selection, held_out) = question.answer().map_err(FitError::Settings)?;
+            (choice, Some(selection), Chosen::HeldOut(held_out))
+        }
+    };
+    let held_out = question
+        .comparison(&segmentation, chosen)
+        .map_err(FitError::Settings)?;
     let fitted = match choice {
         Choice::Segments {
             model,
@@ -148,9 +181,17 @@ fn fit_channel(
             rate,
             lag,
             with_rate,
-        } => joint::fit(data, options.thermal, lag, (&layout, rate), &with_rate)?,
+        } => {
+            remark_on_rates(data, rate == RateForm::None, &with_rate, remarks);
+            joint::fit(data, options.thermal, lag, (&layout, rate), &with_rate)?
+        }
     };
-    Ok(fitted.into_set(data, screening, selection))
+    let findings = Findings {
+        screening,
+        selection,
+        held_out,
+    };
+    Ok(fitted.into_set(data, findings))
 }
 
 fn remark_on_screening(data: &ChannelData, found: &Screening, remarks: &mut Vec<String>) {
@@ -172,40 +213,26 @@ fn remark_on_screening(data: &ChannelData, found: &Screening, remarks: &mut Vec<
     }
 }
 
-/// The form of the model, as asked for or by cross-validation.
-fn choose(
-    data: &ChannelData,
-    options: &FitOptions,
-) -> Result<(Choice, Option<Selection>), FitError> {
-    if let Model::Static | Model::Composite = options.model {
-        let segmentation = match &options.segments {
-            Some(segmentation) => segmentation.clone(),
-            None => {
-                let (t_min_c, t_max_c) = data.range(|point| point.effective_c);
-                Segmentation::over(f64::from(t_min_c), f64::from(t_max_c))?
-            }
-        };
-        let choice = Choice::Segments {
-            model: options.model,
-            segmentation,
-        };
-        return Ok((choice, None));
+/// Says which axes are left without rate terms, and why.
+fn remark_on_rates(data: &ChannelData, none: bool, with_rate: &[bool], remarks: &mut Vec<String>) {
+    let channel = &data.logs[0].channels[data.channel];
+    if none {
+        remarks.push(format!(
+            "{}: not improvable by the rate of temperature, as far as these logs tell: the model \
+             has no rate terms and no lag shift (they are tried where the logs hold four soaks and \
+             ramps or more, at rates that differ)",
+            channel.column
+        ));
+        return;
     }
-    let blocks = Blocks::new(data);
-    let question = Question {
-        data,
-        blocks: &blocks,
-        settings: options.thermal,
-        fixed: FixedLag {
-            tau_s: options.rate_tau_s.map(f64::from),
-            kappa: options.kappa.map(f64::from),
-        },
-        segments: options.segments.as_ref(),
-        overlap: options.overlap,
-        all_models: options.model == Model::Auto,
-    };
-    let (choice, selection, _) = question.answer().map_err(FitError::Settings)?;
-    Ok((choice, Some(selection)))
+    let without = channel.axes.iter().zip(with_rate).filter(|(_, with)| !**with);
+    for (axis, _) in without {
+        remarks.push(format!(
+            "axis {}: rate terms do not improve what was left out of the fit by more than one \
+             standard error; dropped",
+            axis.name
+        ));
+    }
 }
 
 fn remark_on_set(set: &CoefficientSet, remarks: &mut Vec<String>) {

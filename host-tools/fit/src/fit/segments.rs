@@ -52,7 +52,7 @@ pub(crate) fn fit(
             axis.push(Polynomial::new(segment, coefficients));
         }
         for (axis, found) in sigmas.iter_mut().zip(&fit.solution.sigmas) {
-            axis.push(CoefficientSigmas::new(found));
+            axis.push(CoefficientSigmas::new(found, &fit.solution.correlations));
         }
         segments.push(SegmentSet {
             t_min_c: segment.t_min_c,
@@ -76,6 +76,7 @@ pub(crate) fn fit(
         segments,
         polynomials,
         sigmas,
+        noises: vec![None; data.axes()],
     })
 }
 

@@ -5,12 +5,13 @@ use tempco::ThermalSettings;
 use crate::fit::{ChannelFit, FitError};
 use crate::joint::basis::RateForm;
 use crate::joint::blocks::Blocks;
+use crate::joint::covariance::{Covariance, of_combinations};
 use crate::joint::lag::Lag;
 use crate::joint::layout::Layout;
 use crate::joint::solve::Rows;
 use crate::regress::{ChannelData, with_every_rate};
 use crate::segment::{Overlap, Segment, Segmentation};
-use crate::set::SegmentSet;
+use crate::set::{CoefficientSigmas, NoiseSet, SegmentSet};
 use crate::solve::{LEAST_SPAN, SegmentRows, TERMS};
 
 /// Fits breakpoints of `layout` with the settings' thermal path at `lag`; an axis without its
@@ -47,10 +48,32 @@ pub(crate) fn fit(
     let fixed = factor
         .solve(basis.columns_without_rate())
         .ok_or_else(unsolved)?;
+    let maps = basis.polynomial_maps();
     let mut polynomials = Vec::new();
+    let mut sigmas = Vec::new();
+    let mut noises = Vec::new();
+    let covariances = [
+        (false, basis.columns_without_rate()),
+        (true, basis.columns()),
+    ]
+    .map(|(with, columns)| {
+        let needed = with_rate.contains(&with);
+        needed.then(|| Covariance::new(&rows, &blocks, columns))?
+    });
     for (axis, &with_rate) in with_rate.iter().enumerate() {
         let solution = if with_rate { &whole } else { &fixed };
         let mut coefficients = solution.coefficients[axis].clone();
+        let covariance = covariances[usize::from(with_rate)].as_ref().ok_or_else(unsolved)?;
+        let noise = covariance.noise(axis, &coefficients);
+        let covariance = covariance.of(noise);
+        let of_segment = maps.iter().map(|(_, rows)| {
+            CoefficientSigmas::from_covariance(of_combinations(&covariance, rows))
+        });
+        sigmas.push(of_segment.collect());
+        noises.push(Some(NoiseSet {
+            white: noise.white.sqrt(),
+            walk: (3600.0 * noise.walk).sqrt(),
+        }));
         coefficients.resize(basis.columns(), 0.0);
         // The splines add up to 1: the mean constant of the logs goes to all of them.
         let means = blocks.log_means.iter().map(|means| means[axis]);
@@ -85,7 +108,8 @@ pub(crate) fn fit(
         overlap: Overlap::Spline,
         segments,
         polynomials,
-        sigmas: vec![Vec::new(); data.axes()],
+        sigmas,
+        noises,
     })
 }
 

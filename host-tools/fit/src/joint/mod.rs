@@ -2,12 +2,15 @@
 
 mod basis;
 mod blocks;
+mod covariance;
 mod crossval;
 mod fit;
 mod folds;
 mod gram;
 mod lag;
 mod layout;
+#[cfg(test)]
+mod reference;
 mod select;
 mod solve;
 
@@ -17,5 +20,5 @@ pub(crate) use fit::fit;
 pub(crate) use gram::Gram;
 pub(crate) use lag::FixedLag;
 pub use layout::Place;
-pub(crate) use select::{Choice, Question};
-pub use select::{Candidate, Selection};
+pub(crate) use select::{Choice, Chosen, Question};
+pub use select::{Candidate, HeldOutErrors, Selection};

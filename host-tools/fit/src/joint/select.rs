@@ -62,6 +62,37 @@ pub struct Selection {
     pub others: Vec<Candidate>,
 }
 
+/// Root mean square errors of blocks of ten seconds that were left out of the fit, by whole soaks
+/// and ramps \[unit of the axis\]. They contain the noise of the blocks. None where what remained
+/// could not be fitted.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct HeldOutErrors {
+    /// Soaks and ramps found in the logs.
+    pub legs: usize,
+    /// Parts in which they were left out.
+    pub folds: usize,
+    /// Without compensation.
+    pub none: f64,
+    /// One cubic in T.
+    pub cubic: Option<f64>,
+    /// The static model of the paper.
+    #[serde(rename = "static")]
+    pub static_model: Option<f64>,
+    /// The composite model of the paper.
+    pub composite: Option<f64>,
+    /// The fitted model.
+    pub chosen: Option<f64>,
+}
+
+/// The model that was fitted.
+pub(crate) enum Chosen {
+    /// One of the paper's.
+    Model(Model),
+    /// Another one, with its errors.
+    HeldOut(HeldOut),
+}
+
 /// What is to be fitted in the end.
 #[derive(Clone, Debug)]
 pub(crate) enum Choice {
@@ -99,7 +130,7 @@ struct Tried {
 impl Question<'_> {
     /// Tries all candidates and takes the simplest within one standard error of the best.
     pub(crate) fn answer(&self) -> Result<(Choice, Selection, HeldOut), TableError> {
-        let base = self.regressors(self.settings.tau_s.into())?;
+        let base = self.base()?;
         let folds = Folds::new(self.blocks, base.rates());
         let mut tried = Vec::new();
         if self.all_models {
@@ -132,6 +163,47 @@ impl Question<'_> {
             others: tried.into_iter().map(|of| of.candidate).collect(),
         };
         Ok((chosen.choice, selection, chosen.held_out))
+    }
+
+    fn base(&self) -> Result<Regressors<'_>, TableError> {
+        self.regressors(self.settings.tau_s.into())
+    }
+
+    /// Held-out errors of what a fit is to be compared with, and of the `chosen` one.
+    pub(crate) fn comparison(
+        &self,
+        segmentation: &Segmentation,
+        chosen: Chosen,
+    ) -> Result<Vec<HeldOutErrors>, TableError> {
+        let base = self.base()?;
+        let folds = Folds::new(self.blocks, base.rates());
+        let segments = |model: Model| {
+            let form = (self.settings.kappa.into(), model.terms());
+            HeldOut::segments(self.blocks, &folds, &base, form, segmentation, self.overlap)
+        };
+        let none = HeldOut::none(self.blocks, &folds);
+        let cubic = HeldOut::cubic(self.blocks, &folds);
+        let fixed = segments(Model::Static);
+        let composite = segments(Model::Composite);
+        let chosen = match chosen {
+            Chosen::HeldOut(held_out) => Some(held_out),
+            Chosen::Model(Model::Static) => fixed.clone(),
+            Chosen::Model(_) => composite.clone(),
+        };
+        let rmse = |held_out: &Option<HeldOut>, axis: usize| {
+            let held_out = held_out.as_ref()?;
+            Some(held_out.mean_square(axis).sqrt())
+        };
+        let of_axis = |axis: usize| HeldOutErrors {
+            legs: folds.legs,
+            folds: folds.count,
+            none: none.mean_square(axis).sqrt(),
+            cubic: rmse(&cubic, axis),
+            static_model: rmse(&fixed, axis),
+            composite: rmse(&composite, axis),
+            chosen: rmse(&chosen, axis),
+        };
+        Ok((0..self.blocks.axes()).map(of_axis).collect())
     }
 
     fn regressors(&self, tau_s: f64) -> Result<Regressors<'_>, TableError> {
