@@ -38,6 +38,12 @@ pub(crate) fn run(args: &Args) -> Result<Verdict> {
     let log = args
         .reading
         .read(&args.log, set.settings.scale_factor_arcsec)?;
+    if set.is_rejected() {
+        eprintln!(
+            "{}: this set is marked as rejected: on a verification log it was no better than none",
+            args.set.display()
+        );
+    }
     let applied = apply(&set, &log)?;
     write_csv(&args.out, &to_csv(&set, &log, &applied)?)?;
     let remarked = applied.status.iter().filter(|s| **s != Status::OK).count();

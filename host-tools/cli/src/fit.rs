@@ -12,6 +12,7 @@ use tempco_fit::set::{CoefficientSet, Model, table_rs, write_files};
 
 use crate::Verdict;
 use crate::output::{figure, percent, print, table};
+use crate::set_tables::show_choice;
 use crate::shared_args::LogArgs;
 
 /// Fit a coefficient set to one or more chamber logs of a unit
@@ -136,6 +137,7 @@ pub(crate) fn run(args: &Args) -> Result<Verdict> {
     write_files(&args.out, &files).context("nothing was written")?;
 
     summarise(&set, args)?;
+    set.channels.iter().try_for_each(show_choice)?;
     for remark in &remarks {
         print(format_args!("remark: {remark}"))?;
     }
@@ -150,7 +152,8 @@ fn summarise(set: &CoefficientSet, args: &Args) -> Result<()> {
     for channel in &set.channels {
         let data = &channel.table;
         print(format_args!(
-            "{} of unit {}: {} segments, {} cells, {} to {} degC, {} to {} degC/min",
+            "{} of unit {}: {} segments, {} cells, {} to {} degC, {} to {} degC/min, rate \
+             tau {} s, kappa {}",
             channel.temperature,
             set.serial,
             channel.segments.len(),
@@ -159,6 +162,8 @@ fn summarise(set: &CoefficientSet, args: &Args) -> Result<()> {
             figure(data.t_max_c.into()),
             figure(data.thermal.rate_min_c_per_min.into()),
             figure(data.thermal.rate_max_c_per_min.into()),
+            figure(data.thermal.tau_s.into()),
+            figure(data.thermal.kappa.into()),
         ))?;
     }
     let rows = set.axes().filter_map(|(_, axis)| {

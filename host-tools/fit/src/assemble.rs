@@ -88,6 +88,7 @@ pub(crate) fn set(
         settings,
         channels,
         table_crc32: String::new(),
+        sign_offs: Vec::new(),
     };
     set.table_crc32 = format!("{:08x}", set.crc32());
     set

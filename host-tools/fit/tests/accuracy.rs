@@ -20,14 +20,18 @@ fn options(model: Model) -> FitOptions {
         segments: paper.then(|| PAPER_SEGMENTS.parse().unwrap()),
         thermal: ThermalSettings::DEFAULT,
         rate_tau_s: None,
-        kappa: None, exclude: Vec::new(), robust: true,
+        kappa: None,
+        exclude: Vec::new(),
+        robust: true,
         scale_factor_arcsec: None,
         tau_s: 100.0,
     }
 }
 
 fn fitted(model: Model, run: &Run) -> CoefficientSet {
-    fit(std::slice::from_ref(&run.log), &options(model)).unwrap().set
+    fit(std::slice::from_ref(&run.log), &options(model))
+        .unwrap()
+        .set
 }
 
 /// Root mean square of applied bias less truth \[mdeg/h\], by axis, over `rows`.
@@ -66,16 +70,30 @@ fn ratios(world: World, programme: Programme, model: Model) -> Ratios {
         let mid_ramp = simulate(world, Programme::MidRamp, unit, 3);
         let [paper, set] = [Model::Composite, model].map(|model| fitted(model, &train));
         let (before, after) = (whole(&paper, &judge), whole(&set, &judge));
-        println!("{}: composite {before:.2?}, {} {after:.2?} mdeg/h", train.log.file, model.name());
+        println!(
+            "{}: composite {before:.2?}, {} {after:.2?} mdeg/h",
+            train.log.file,
+            model.name()
+        );
         for channel in &set.channels {
             let screening = channel.screening.as_ref().unwrap();
             assert_eq!((screening.spike_rows, screening.disturbed_rows), (0, 0));
             assert!(screening.steps.is_empty(), "{:?}", screening.steps);
             assert!((0..3).all(|axis| channel.table.max_jump(axis) == 0.0));
         }
-        found.extend(after.iter().zip(&before).map(|(after, before)| after / before));
+        found.extend(
+            after
+                .iter()
+                .zip(&before)
+                .map(|(after, before)| after / before),
+        );
         let ten_minutes = |set| errors(set, &mid_ramp, 0..600);
-        first.extend(ten_minutes(&set).iter().zip(ten_minutes(&paper)).map(|(a, b)| a / b));
+        first.extend(
+            ten_minutes(&set)
+                .iter()
+                .zip(ten_minutes(&paper))
+                .map(|(a, b)| a / b),
+        );
     }
     let ratios = Ratios {
         mean: geometric_mean(&found),
@@ -131,20 +149,32 @@ fn outliers_and_a_glitch_hardly_show() {
     let mut disturbed = simulate(World::Full, Programme::ManyRates, 1, 1);
     for axis in &mut spiky.log.channels[0].axes {
         for raw in &mut axis.raw {
-            *raw += if random.uniform() < 0.01 { 20.0 * 0.06 } else { 0.0 };
+            *raw += if random.uniform() < 0.01 {
+                20.0 * 0.06
+            } else {
+                0.0
+            };
         }
     }
     for axis in &mut disturbed.log.channels[0].axes {
-        axis.raw[40_000..40_600].iter_mut().for_each(|raw| *raw += 0.5);
+        axis.raw[40_000..40_600]
+            .iter_mut()
+            .for_each(|raw| *raw += 0.5);
     }
     for model in [Model::Static, Model::Composite, Model::Spline] {
         let before = whole(&fitted(model, &clean), &judge);
         for (name, run, least) in [("spikes", &spiky, 3000), ("glitch", &disturbed, 600)] {
             let set = fitted(model, run);
             let screening = set.channels[0].screening.as_ref().unwrap();
-            assert!(screening.spike_rows + screening.disturbed_rows >= least, "{screening:?}");
+            assert!(
+                screening.spike_rows + screening.disturbed_rows >= least,
+                "{screening:?}"
+            );
             let after = whole(&set, &judge);
-            println!("{} {name}: {before:.3?} to {after:.3?} mdeg/h", model.name());
+            println!(
+                "{} {name}: {before:.3?} to {after:.3?} mdeg/h",
+                model.name()
+            );
             let growth: Vec<f64> = after.iter().zip(&before).map(|(a, b)| a / b).collect();
             assert!(geometric_mean(&growth) < 1.05, "{growth:?}");
         }
@@ -154,7 +184,9 @@ fn outliers_and_a_glitch_hardly_show() {
 #[test]
 fn a_step_of_the_bias_is_reported_with_time_and_size() {
     let mut run = simulate(World::Full, Programme::ManyRates, 2, 1);
-    run.log.channels[0].axes[1].raw[50_000..].iter_mut().for_each(|raw| *raw += 0.05);
+    run.log.channels[0].axes[1].raw[50_000..]
+        .iter_mut()
+        .for_each(|raw| *raw += 0.05);
     let set = fitted(Model::Spline, &run);
     let steps = &set.channels[0].screening.as_ref().unwrap().steps;
     println!("{steps:?}");

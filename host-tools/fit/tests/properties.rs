@@ -39,7 +39,10 @@ fn difference(a: &CoefficientSet, b: &CoefficientSet, scale: f64) -> f64 {
     assert_eq!(a.len(), b.len());
     let largest = a.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
     let pairs = a.iter().zip(&b);
-    pairs.map(|(a, b)| (a - b * scale).abs()).fold(0.0, f64::max) / largest
+    pairs
+        .map(|(a, b)| (a - b * scale).abs())
+        .fold(0.0, f64::max)
+        / largest
 }
 
 #[test]
@@ -91,12 +94,20 @@ fn the_constant_of_a_log_is_not_taken_for_thermal() {
         let apart = fit(&[first.clone(), moved.clone()], &options).unwrap().set;
         for (a, b) in same.channels[0].axes.iter().zip(&apart.channels[0].axes) {
             for (a, b) in a.polynomials.iter().zip(&b.polynomials) {
-                assert!((b.a[0] - a.a[0] - 0.1).abs() < 2e-3, "{} {}", a.a[0], b.a[0]);
+                assert!(
+                    (b.a[0] - a.a[0] - 0.1).abs() < 2e-3,
+                    "{} {}",
+                    a.a[0],
+                    b.a[0]
+                );
                 assert!((b.a[1] - a.a[1]).abs() < 2e-3 && (b.r[0] - a.r[0]).abs() < 2e-3);
             }
         }
         let constants = &apart.channels[0].screening.as_ref().unwrap().constants;
-        assert!((constants[1][0] - constants[0][0] - 0.2).abs() < 5e-3, "{constants:?}");
+        assert!(
+            (constants[1][0] - constants[0][0] - 0.2).abs() < 5e-3,
+            "{constants:?}"
+        );
     }
 }
 
@@ -104,7 +115,10 @@ fn the_constant_of_a_log_is_not_taken_for_thermal() {
 fn exact(log: &Log, thermal: &ThermalSettings) -> Vec<f64> {
     let points = thermal_points(log, 0, &Thermal::new(*thermal).unwrap());
     let bias = points.iter().map(|point| {
-        let (u, rate) = (f64::from(point.effective_c), f64::from(point.rate_c_per_min));
+        let (u, rate) = (
+            f64::from(point.effective_c),
+            f64::from(point.rate_c_per_min),
+        );
         1.0 + 0.02 * u - 3e-4 * u * u + rate * (0.3 + 0.002 * u)
     });
     bias.collect()
@@ -125,6 +139,9 @@ fn coverage(white: f64, walk: f64) -> f64 {
     channel.axes.truncate(1);
     log.time_s = log.time_s.iter().copied().step_by(10).collect();
     log.interval_s = 10.0;
+    // Up and down once; a thousand fits of more would take long.
+    log.time_s.truncate(2700);
+    log.channels[0].temp_c.truncate(2700);
     let truth = exact(&log, &thermal);
     let options = FitOptions {
         segments: Some("-13:10,10:40,40:76".parse().unwrap()),
@@ -148,7 +165,11 @@ fn coverage(white: f64, walk: f64) -> f64 {
         let axis = &set.channels[0].axes[0];
         let found = axis.polynomials.iter().zip(&axis.sigmas).zip(expected);
         for (number, ((found, sigmas), expected)) in found.enumerate() {
-            let values = found.a.iter().chain(&found.r).zip(expected.a.iter().chain(&expected.r));
+            let values = found
+                .a
+                .iter()
+                .chain(&found.r)
+                .zip(expected.a.iter().chain(&expected.r));
             let sigmas = sigmas.a.iter().chain(&sigmas.r);
             for ((found, expected), sigma) in values.zip(sigmas) {
                 assert!(*sigma > 0.0, "segment {number}");

@@ -39,11 +39,7 @@ pub(crate) struct Findings {
 
 impl ChannelFit {
     /// Makes the table.
-    pub(crate) fn into_set(
-        self,
-        data: &ChannelData,
-        findings: Findings,
-    ) -> ChannelSet {
+    pub(crate) fn into_set(self, data: &ChannelData, findings: Findings) -> ChannelSet {
         let reference_c = match self.calibrated_c {
             (low, high) if (low..=high).contains(&25.0) => 25.0,
             (low, high) => 0.5 * (low + high),
@@ -64,15 +60,17 @@ impl ChannelFit {
                 .zip(self.polynomials)
                 .zip(self.sigmas.into_iter().zip(self.noises))
                 .zip(findings.held_out)
-                .map(|(((axis, polynomials), (sigmas, noise)), held_out)| AxisSet {
-                    name: axis.name.clone(),
-                    unit: axis.unit,
-                    polynomials,
-                    sigmas,
-                    noise,
-                    held_out: Some(held_out),
-                    statistics: None,
-                })
+                .map(
+                    |(((axis, polynomials), (sigmas, noise)), held_out)| AxisSet {
+                        name: axis.name.clone(),
+                        unit: axis.unit,
+                        polynomials,
+                        sigmas,
+                        noise,
+                        held_out: Some(held_out),
+                        statistics: None,
+                    },
+                )
                 .collect(),
             screening: Some(findings.screening),
             selection: findings.selection,

@@ -225,7 +225,11 @@ fn remark_on_rates(data: &ChannelData, none: bool, with_rate: &[bool], remarks: 
         ));
         return;
     }
-    let without = channel.axes.iter().zip(with_rate).filter(|(_, with)| !**with);
+    let without = channel
+        .axes
+        .iter()
+        .zip(with_rate)
+        .filter(|(_, with)| !**with);
     for (axis, _) in without {
         remarks.push(format!(
             "axis {}: rate terms do not improve what was left out of the fit by more than one \
@@ -307,4 +311,3 @@ fn check_interval(log: &Log, thermal: &ThermalSettings) -> Result<(), FitError> 
     }
     Ok(())
 }
-

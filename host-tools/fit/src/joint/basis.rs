@@ -183,7 +183,9 @@ fn sum(parts: &[(f64, &SparseRow)]) -> SparseRow {
 
 /// Product of a row with a vector.
 pub(crate) fn dot(row: &[(usize, f64)], vector: &[f64]) -> f64 {
-    row.iter().map(|&(column, value)| value * vector[column]).sum()
+    row.iter()
+        .map(|&(column, value)| value * vector[column])
+        .sum()
 }
 
 #[cfg(test)]
@@ -238,8 +240,7 @@ mod tests {
                 let temp_c = -14.7 + f64::from(step);
                 basis.row(0, temp_c, -1.3, &mut row);
                 let polynomial = &polynomials[basis.segment(temp_c)];
-                let expected =
-                    polynomial.static_bias(temp_c) - 1.3 * polynomial.rate_bias(temp_c);
+                let expected = polynomial.static_bias(temp_c) - 1.3 * polynomial.rate_bias(temp_c);
                 assert!((dot(&row, &coefficients) - expected).abs() < 1e-13);
             }
         }

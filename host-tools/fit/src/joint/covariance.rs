@@ -48,9 +48,7 @@ impl<'a> Covariance<'a> {
     /// For the leading `columns` of the rows; `None` where these are not independent.
     pub(crate) fn new(rows: &'a Rows, blocks: &'a Blocks, columns: usize) -> Option<Self> {
         let count = blocks.blocks.len();
-        let x = DMatrix::from_fn(count, columns, |i, j| {
-            rows.root_weights[i] * rows.row(i)[j]
-        });
+        let x = DMatrix::from_fn(count, columns, |i, j| rows.root_weights[i] * rows.row(i)[j]);
         let inverse = (x.transpose() * &x).cholesky()?.inverse();
         let sums = step_sums(&x, rows, blocks);
         let s = sums.transpose() * sums;

@@ -81,7 +81,11 @@ impl HeldOut {
             let z = (2.0 * blocks.temp_c[i] - low - high) / (high - low);
             let powers = [1.0, z, z * z, z * z * z];
             let mut entries: Vec<(usize, f64)> = powers.into_iter().enumerate().collect();
-            entries.extend(constants.into_iter().map(|&(column, value)| (column + 1, value)));
+            entries.extend(
+                constants
+                    .into_iter()
+                    .map(|&(column, value)| (column + 1, value)),
+            );
             grams[folds.of_block[i]].push(&entries, blocks.observations(i), block.weight);
         }
         Self::linear(blocks, folds, &grams)

@@ -63,7 +63,9 @@ pub(crate) fn fit(
     for (axis, &with_rate) in with_rate.iter().enumerate() {
         let solution = if with_rate { &whole } else { &fixed };
         let mut coefficients = solution.coefficients[axis].clone();
-        let covariance = covariances[usize::from(with_rate)].as_ref().ok_or_else(unsolved)?;
+        let covariance = covariances[usize::from(with_rate)]
+            .as_ref()
+            .ok_or_else(unsolved)?;
         let noise = covariance.noise(axis, &coefficients);
         let covariance = covariance.of(noise);
         let of_segment = maps.iter().map(|(_, rows)| {
@@ -91,7 +93,11 @@ pub(crate) fn fit(
             t_max_c: pair[1],
         })
         .collect();
-    let terms = if rate == RateForm::None { 3 } else { TERMS.len() };
+    let terms = if rate == RateForm::None {
+        3
+    } else {
+        TERMS.len()
+    };
     let segments = coverage(&data, &pieces)?
         .into_iter()
         .map(|segment| SegmentSet {
@@ -130,7 +136,11 @@ fn coverage(data: &ChannelData, pieces: &[Segment]) -> Result<Vec<SegmentSet>, F
         if rows.rows() == 0 || coverage.width < LEAST_SPAN {
             return Err(FitError::Segment {
                 segment: *piece,
-                reason: format!("holds {} usable rows over {:.0} % of its width", rows.rows(), 100.0 * coverage.width),
+                reason: format!(
+                    "holds {} usable rows over {:.0} % of its width",
+                    rows.rows(),
+                    100.0 * coverage.width
+                ),
                 t_min_c,
                 t_max_c,
             });

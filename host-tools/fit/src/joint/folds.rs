@@ -79,9 +79,14 @@ fn legs_of(times_s: &[f64], rates: &[f64]) -> Vec<usize> {
     let end_s = times_s[times_s.len() - 1];
     let mut kept: Vec<(usize, i32)> = Vec::new();
     for (number, &(start, of)) in starts.iter().enumerate() {
-        let stop_s = starts.get(number + 1).map_or(end_s, |&(next, _)| times_s[next]);
+        let stop_s = starts
+            .get(number + 1)
+            .map_or(end_s, |&(next, _)| times_s[next]);
         let short = stop_s - times_s[start] < LEAST_LEG_S;
-        if kept.last().is_none_or(|&(_, before)| !short && before != of) {
+        if kept
+            .last()
+            .is_none_or(|&(_, before)| !short && before != of)
+        {
             kept.push((start, of));
         }
     }
@@ -98,7 +103,14 @@ mod tests {
 
     #[test]
     fn ramps_and_soaks_are_legs_and_short_ones_are_not() {
-        let rates = [(0.0, 100), (1.0, 200), (0.02, 30), (1.0, 50), (-0.5, 300), (0.0, 80)];
+        let rates = [
+            (0.0, 100),
+            (1.0, 200),
+            (0.02, 30),
+            (1.0, 50),
+            (-0.5, 300),
+            (0.0, 80),
+        ];
         let rates: Vec<f64> = rates
             .iter()
             .flat_map(|&(rate, count)| std::iter::repeat_n(rate, count))

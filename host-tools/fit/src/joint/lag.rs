@@ -90,7 +90,12 @@ impl<'a> Regressors<'a> {
         let mut grams = vec![Gram::new(basis.columns(), blocks.axes()); folds.count];
         let mut row = SparseRow::new();
         for (i, block) in blocks.blocks.iter().enumerate() {
-            basis.row(block.log, self.effective_c(i, kappa), self.rates[i], &mut row);
+            basis.row(
+                block.log,
+                self.effective_c(i, kappa),
+                self.rates[i],
+                &mut row,
+            );
             grams[folds.of_block[i]].push(&row, blocks.observations(i), block.weight);
         }
         grams
@@ -144,7 +149,13 @@ pub(crate) fn search(
         };
         if let Some(kappa) = fixed.kappa {
             let at = cost(kappa);
-            return Ok((at, Lowest { x: kappa, value: at }));
+            return Ok((
+                at,
+                Lowest {
+                    x: kappa,
+                    value: at,
+                },
+            ));
         }
         let mut unshifted = f64::INFINITY;
         let lowest = lowest(KAPPA_RANGE, steps, |kappa| {
@@ -225,9 +236,17 @@ fn lowest(
         // Where the vertex tells nothing new, the middle of the wider side does.
         let apart = 0.01 * (x2 - x0);
         let near = |x: f64| [x0, x1, x2].iter().any(|known| (x - known).abs() < apart);
-        let middle = if x1 - x0 > x2 - x1 { 0.5 * (x0 + x1) } else { 0.5 * (x1 + x2) };
+        let middle = if x1 - x0 > x2 - x1 {
+            0.5 * (x0 + x1)
+        } else {
+            0.5 * (x1 + x2)
+        };
         let inside = vertex > x0 && vertex < x2;
-        let x = if inside && !near(vertex) { vertex } else { middle };
+        let x = if inside && !near(vertex) {
+            vertex
+        } else {
+            middle
+        };
         let at = tried.partition_point(|&(known, _)| known < x);
         tried.insert(at, (x, cost(x)?));
     }

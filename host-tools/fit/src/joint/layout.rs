@@ -68,7 +68,11 @@ impl Layout {
 
     /// Breakpoints over a range, for temperatures `sorted_c` of equal weight; `None` where two
     /// would coincide.
-    pub(crate) fn breakpoints_c(&self, (low, high): (f64, f64), sorted_c: &[f64]) -> Option<Vec<f64>> {
+    pub(crate) fn breakpoints_c(
+        &self,
+        (low, high): (f64, f64),
+        sorted_c: &[f64],
+    ) -> Option<Vec<f64>> {
         let found: Vec<f64> = match self {
             Self::Given(breakpoints) => breakpoints.clone(),
             Self::Rule { place, segments } => {

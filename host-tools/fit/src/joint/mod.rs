@@ -20,5 +20,5 @@ pub(crate) use fit::fit;
 pub(crate) use gram::Gram;
 pub(crate) use lag::FixedLag;
 pub use layout::Place;
-pub(crate) use select::{Choice, Chosen, Question};
 pub use select::{Candidate, HeldOutErrors, Selection};
+pub(crate) use select::{Choice, Chosen, Question};

@@ -41,6 +41,9 @@ fn coefficients_and_sigmas_are_those_of_scipy() {
         let (value, sigma): (f64, f64) = (value.parse().unwrap(), sigma.parse().unwrap());
         let (found, found_sigma) = (solution.coefficients[0][i], solution.sigmas[0][i]);
         assert!((found / value - 1.0).abs() < ALLOWED, "{found} {value}");
-        assert!((found_sigma / sigma - 1.0).abs() < ALLOWED, "{found_sigma} {sigma}");
+        assert!(
+            (found_sigma / sigma - 1.0).abs() < ALLOWED,
+            "{found_sigma} {sigma}"
+        );
     }
 }

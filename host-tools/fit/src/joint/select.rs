@@ -144,8 +144,7 @@ impl Question<'_> {
             .map(|best| best.held_out.clone())
             .expect("a spline of one segment can always be tried");
         for of in &mut tried {
-            (of.candidate.excess, of.candidate.excess_sigma) =
-                of.held_out.excess(&best, &all_axes);
+            (of.candidate.excess, of.candidate.excess_sigma) = of.held_out.excess(&best, &all_axes);
         }
         tried.sort_by(|a, b| a.candidate.excess.total_cmp(&b.candidate.excess));
         let chosen = tried
@@ -236,9 +235,7 @@ impl Question<'_> {
         let logs = self.blocks.logs();
         let held_out = layout
             .basis(range_c, &sorted_c, RateForm::None, logs)
-            .and_then(|basis| {
-                HeldOut::spline(self.blocks, folds, &regressors, lag.kappa, &basis)
-            });
+            .and_then(|basis| HeldOut::spline(self.blocks, folds, &regressors, lag.kappa, &basis));
         let Some(without) = held_out else {
             return Ok(());
         };
@@ -288,7 +285,14 @@ impl Question<'_> {
                     kappa,
                 };
                 tried.push(Tried {
-                    candidate: candidate(model, segments, place, (columns, rate_columns), lag, &held_out),
+                    candidate: candidate(
+                        model,
+                        segments,
+                        place,
+                        (columns, rate_columns),
+                        lag,
+                        &held_out,
+                    ),
                     held_out,
                     choice: Choice::Segments {
                         model,
@@ -384,7 +388,12 @@ impl Question<'_> {
         let mut factor = RFactor::new(basis.columns(), 0);
         let mut row = SparseRow::new();
         for (i, block) in self.blocks.blocks.iter().enumerate() {
-            basis.row(block.log, base.effective_c(i, 0.0), base.rates()[i], &mut row);
+            basis.row(
+                block.log,
+                base.effective_c(i, 0.0),
+                base.rates()[i],
+                &mut row,
+            );
             let mut dense = vec![0.0; basis.columns()];
             for &(column, value) in &row {
                 dense[column] = value;

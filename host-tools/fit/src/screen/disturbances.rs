@@ -56,7 +56,10 @@ pub(super) fn find(
         .map(|i| {
             let mut row = SparseRow::new();
             basis.row(blocks.blocks[i].log, blocks.temp_c[i], fast[i], &mut row);
-            row.extend([(columns, slow[i]), (columns + 1, slow[i] * blocks.temp_c[i] / 100.0)]);
+            row.extend([
+                (columns, slow[i]),
+                (columns + 1, slow[i] * blocks.temp_c[i] / 100.0),
+            ]);
             row
         })
         .collect();
@@ -139,7 +142,13 @@ impl Reference {
     /// Leaves the rows of disturbed blocks out and counts them.
     pub(super) fn leave_out(&self, data: &mut ChannelData) -> usize {
         let mut count = 0;
-        for (block, _) in self.blocks.blocks.iter().zip(&self.keep).filter(|(_, k)| !**k) {
+        for (block, _) in self
+            .blocks
+            .blocks
+            .iter()
+            .zip(&self.keep)
+            .filter(|(_, k)| !**k)
+        {
             for keep in &mut data.keep[block.log][block.rows.clone()] {
                 count += usize::from(*keep);
                 *keep = false;

@@ -39,6 +39,27 @@ pub struct CoefficientSet {
     pub channels: Vec<ChannelSet>,
     /// CRC-32P4 over the numbers of all tables, in hexadecimal.
     pub table_crc32: String,
+    /// Verdicts of verification logs, oldest first; the last one counts.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub sign_offs: Vec<SignOff>,
+}
+
+/// The verdict of a verification log on a set.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SignOff {
+    /// Name of the log's file.
+    pub file: String,
+    /// SHA-256 of the log, in hexadecimal.
+    pub sha256: String,
+    /// Time of judging, RFC 3339, UTC.
+    pub judged: String,
+    /// Averaging time of the bias stabilities that were compared \[s\].
+    pub tau_s: f64,
+    /// Whether the compensation is better than none on every axis.
+    pub accepted: bool,
+    /// The axes on which it is not.
+    pub worse_axes: Vec<String>,
 }
 
 /// Where a set comes from.
@@ -338,6 +359,11 @@ impl CoefficientSet {
         })?;
         set.check()?;
         Ok(set)
+    }
+
+    /// Whether the last verification log that was signed off rejects the set.
+    pub fn is_rejected(&self) -> bool {
+        self.sign_offs.last().is_some_and(|last| !last.accepted)
     }
 
     /// Checks what the types cannot.

@@ -89,10 +89,24 @@ fn steps(programme: Programme) -> Vec<(f64, f64, f64)> {
     match programme {
         Programme::ManyRates => [0.5, 1.0, 0.25, 2.0]
             .into_iter()
-            .flat_map(|rate| [ramp(80.0, rate), soak(80.0, 45.0), ramp(-15.0, rate), soak(-15.0, 45.0)])
+            .flat_map(|rate| {
+                [
+                    ramp(80.0, rate),
+                    soak(80.0, 45.0),
+                    ramp(-15.0, rate),
+                    soak(-15.0, 45.0),
+                ]
+            })
             .collect(),
         Programme::OneRate => (0..4)
-            .flat_map(|_| [ramp(80.0, 1.0), soak(80.0, 45.0), ramp(-15.0, 1.0), soak(-15.0, 45.0)])
+            .flat_map(|_| {
+                [
+                    ramp(80.0, 1.0),
+                    soak(80.0, 45.0),
+                    ramp(-15.0, 1.0),
+                    soak(-15.0, 45.0),
+                ]
+            })
             .collect(),
         Programme::Verification => vec![
             soak(20.0, 30.0),
@@ -110,7 +124,12 @@ fn steps(programme: Programme) -> Vec<(f64, f64, f64)> {
             soak(-12.0, 40.0),
             ramp(45.0, 0.35),
         ],
-        Programme::MidRamp => vec![ramp(75.0, 1.0), soak(75.0, 40.0), ramp(-12.0, 1.0), soak(-12.0, 30.0)],
+        Programme::MidRamp => vec![
+            ramp(75.0, 1.0),
+            soak(75.0, 40.0),
+            ramp(-12.0, 1.0),
+            soak(-12.0, 30.0),
+        ],
     }
 }
 
@@ -127,7 +146,10 @@ fn air_c(programme: Programme) -> Vec<f64> {
             air.push(at);
         }
         at = target;
-        air.extend(std::iter::repeat_n(at, (60.0 * minutes / INTERVAL_S) as usize));
+        air.extend(std::iter::repeat_n(
+            at,
+            (60.0 * minutes / INTERVAL_S) as usize,
+        ));
     }
     air
 }
@@ -164,7 +186,11 @@ fn natures(world: World, random: &mut Random) -> Vec<Nature> {
     let mut around = |value: f64| value * (0.8 + 0.4 * random.uniform());
     lags.into_iter()
         .map(|lag| Nature {
-            lag_s: if world == World::Paper { lag } else { around(lag) },
+            lag_s: if world == World::Paper {
+                lag
+            } else {
+                around(lag)
+            },
             slow: if whole { around(0.00012) } else { 0.0 },
             play: if whole { around(0.0006) } else { 0.0 },
             rate: around(0.01),
@@ -182,16 +208,18 @@ fn curve(world: World, axis: usize, nature: &Nature, temp_c: f64) -> f64 {
         return scale * (x + 0.5 * x * x - 0.3 * x * x * x);
     }
     let per_pulse = 1.5;
-    per_pulse * match axis {
-        0 => StaticCurve::paper_x().pulses_per_s(temp_c),
-        1 => StaticCurve::paper_y().pulses_per_s(temp_c),
-        _ if world == World::Paper => StaticCurve::paper_x().pulses_per_s(65.0 - temp_c) * 0.8,
-        _ => {
-            let x = (temp_c - 32.5) / 47.5;
-            let wave = (std::f64::consts::TAU * temp_c / nature.wavelength + nature.phase).sin();
-            0.035 * x + 0.012 * wave
+    per_pulse
+        * match axis {
+            0 => StaticCurve::paper_x().pulses_per_s(temp_c),
+            1 => StaticCurve::paper_y().pulses_per_s(temp_c),
+            _ if world == World::Paper => StaticCurve::paper_x().pulses_per_s(65.0 - temp_c) * 0.8,
+            _ => {
+                let x = (temp_c - 32.5) / 47.5;
+                let wave =
+                    (std::f64::consts::TAU * temp_c / nature.wavelength + nature.phase).sin();
+                0.035 * x + 0.012 * wave
+            }
         }
-    }
 }
 
 /// Runs the unit of `seed` through a programme; `run` gives another noise, walk and turn-on.
@@ -206,18 +234,30 @@ pub(crate) fn simulate(world: World, programme: Programme, seed: u64, run: u64) 
         hidden.push(lagged(&case, nature.lag_s));
     }
     let rows = air.len();
-    let from = if programme == Programme::MidRamp { 1800 + 2400 } else { 0 };
+    let from = if programme == Programme::MidRamp {
+        1800 + 2400
+    } else {
+        0
+    };
     let mut truth = Vec::new();
     for (axis, nature) in natures.iter().enumerate() {
         let cavity = &hidden[axis];
         let moved = play(cavity, 3.0);
         let walks = matches!(world, World::Full | World::Smooth);
         let mut walk = if walks { 0.0008 * random.normal() } else { 0.0 };
-        let step = if walks { 0.0002 * (INTERVAL_S / 3600.0_f64).sqrt() } else { 0.0 };
+        let step = if walks {
+            0.0002 * (INTERVAL_S / 3600.0_f64).sqrt()
+        } else {
+            0.0
+        };
         let bias = (0..rows).map(|i| {
             walk += step * random.normal();
             let rate = 60.0 * (case[i] - cavity[i]) / nature.lag_s;
-            let place = if world == World::Paper { case[i] } else { cavity[i] };
+            let place = if world == World::Paper {
+                case[i]
+            } else {
+                cavity[i]
+            };
             let sensitivity = nature.rate * (1.0 + 0.004 * (place - 25.0));
             curve(world, axis, nature, place)
                 + sensitivity * rate
@@ -236,7 +276,10 @@ pub(crate) fn simulate(world: World, programme: Programme, seed: u64, run: u64) 
     let axes = truth.iter().zip(["x", "y", "z"]).map(|(bias, name)| Axis {
         name: name.to_owned(),
         unit: AxisUnit::Dph,
-        raw: bias.iter().map(|b| b + NOISE_DPH * random.normal()).collect(),
+        raw: bias
+            .iter()
+            .map(|b| b + NOISE_DPH * random.normal())
+            .collect(),
     });
     let axes = axes.collect();
     Run {
