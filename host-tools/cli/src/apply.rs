@@ -29,6 +29,12 @@ pub(crate) struct Args {
 
 pub(crate) fn run(args: &Args) -> Result<Verdict> {
     let (set, log) = args.put.read()?;
+    if set.is_rejected() {
+        eprintln!(
+            "{}: this set is marked as rejected: on a verification log it was no better than none",
+            args.put.set.display()
+        );
+    }
     let applied = apply(&set, &log)?;
     write_csv(&args.out, &to_csv(&set, &log, &applied)?)?;
     let remarked = applied.status.iter().filter(|s| **s != Status::OK).count();

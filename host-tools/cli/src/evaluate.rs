@@ -2,11 +2,12 @@
 
 mod show;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
 use tempco_fit::load_set;
-use tempco_fit::metrics::evaluate;
+use tempco_fit::metrics::{Evaluation, Role, evaluate};
+use tempco_fit::set::{CoefficientSet, write_files};
 
 use crate::Verdict;
 use crate::output::print;
@@ -30,6 +31,10 @@ pub(crate) struct Args {
         allow_negative_numbers = true
     )]
     tau: f64,
+    /// Note the verdict in SET (coefficients.json): a set that is no better than none on a
+    /// verification log is marked as rejected. Without, SET is not changed
+    #[arg(long)]
+    sign_off: bool,
     /// Print one JSON object instead of tables
     #[arg(long)]
     json: bool,
@@ -53,17 +58,45 @@ pub(crate) fn run(args: &Args) -> Result<Verdict> {
     } else {
         show::show(&evaluation)?;
     }
-    let worse: Vec<&str> = evaluation
-        .axes
-        .iter()
-        .filter(|axis| !axis.is_acceptable())
-        .map(|axis| axis.axis.as_str())
-        .collect();
+    let worse = evaluation.worse_axes();
     if !worse.is_empty() {
         eprintln!(
             "not acceptable: the compensation is no better than none on {}",
             worse.join(", ")
         );
     }
+    if args.sign_off {
+        sign_off(&args.put.set, set, &evaluation)?;
+    }
     Ok(Verdict::of(worse.is_empty()))
+}
+
+fn sign_off(path: &Path, mut set: CoefficientSet, evaluation: &Evaluation) -> Result<()> {
+    let shown = path.display();
+    ensure!(
+        path.extension()
+            .is_some_and(|extension| extension == "json"),
+        "--sign-off: {shown}: expected coefficients.json, in which a verdict can be noted"
+    );
+    ensure!(
+        evaluation.log.role == Role::Verification,
+        "--sign-off: {shown} was fitted to {}: expected a log it has not seen",
+        evaluation.log.file
+    );
+    set.sign_offs.push(evaluation.sign_off());
+    let json = serde_json::to_string_pretty(&set)? + "\n";
+    let name = path.file_name().and_then(|name| name.to_str());
+    let name = name.with_context(|| format!("--sign-off: {shown}: expected a file name"))?;
+    let folder = match path.parent() {
+        Some(folder) if folder != Path::new("") => folder,
+        _ => Path::new("."),
+    };
+    write_files(folder, &[(name, json.as_bytes())]).context("the verdict was not noted")?;
+    let verdict = if set.is_rejected() {
+        "rejected"
+    } else {
+        "accepted"
+    };
+    eprintln!("{shown}: marked as {verdict}");
+    Ok(())
 }

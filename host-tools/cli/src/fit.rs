@@ -5,12 +5,14 @@ use std::path::PathBuf;
 use anyhow::{Context, Result};
 use clap::ValueEnum;
 use tempco::ThermalSettings;
+use tempco_fit::Stretch;
 use tempco_fit::fit::{Fit, FitOptions, fit};
 use tempco_fit::segment::{Overlap, Segmentation};
 use tempco_fit::set::{CoefficientSet, Model, table_rs, write_files};
 
 use crate::Verdict;
 use crate::output::{figure, percent, print, table};
+use crate::set_tables::show_choice;
 use crate::shared_args::LogArgs;
 
 /// Fit a coefficient set to one or more chamber logs of a unit
@@ -27,7 +29,9 @@ pub(crate) struct Args {
     /// Folder for the set; made if need be
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// static: a0 + a1 T + a2 T^2; composite: + a3 T' + a4 T T'
+    /// static: a0 + a1 T + a2 T^2; composite: + a3 T' + a4 T T'; spline: the same terms, segments
+    /// fitted together without jump or kink, at an effective temperature; auto: whichever does best
+    /// on soaks and ramps left out of the fit
     #[arg(long, value_enum, default_value = "composite")]
     model: ModelArg,
     /// What is applied where segments overlap
@@ -36,12 +40,19 @@ pub(crate) struct Args {
     /// Segments in degC, such as "-15:15,5:35,25:60,50:80"; without, the measured range is divided
     #[arg(long, value_name = "MIN:MAX,...", allow_hyphen_values = true)]
     segments: Option<Segmentation>,
-    /// Time constant of the rate estimator, in s
-    #[arg(long, value_name = "S", default_value_t = ThermalSettings::DEFAULT.tau_s, allow_negative_numbers = true)]
-    rate_tau: f32,
-    /// Shift of the effective temperature u = T - kappa (T - L); 0 is the paper
-    #[arg(long, default_value_t = ThermalSettings::DEFAULT.kappa, allow_negative_numbers = true)]
-    kappa: f32,
+    /// Time constant of the rate estimator, in s; without, 60, but fitted for spline and auto
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    rate_tau: Option<f32>,
+    /// Shift of the effective temperature u = T - kappa (T - L); without, 0 as in the paper, but
+    /// fitted for spline and auto
+    #[arg(long, allow_negative_numbers = true)]
+    kappa: Option<f32>,
+    /// Leave a stretch of log time out of the fit, in s, in every log (repeat)
+    #[arg(long, value_name = "T1:T2", value_parser = stretch, allow_hyphen_values = true)]
+    exclude: Vec<Stretch>,
+    /// Fit spikes and disturbances like everything else
+    #[arg(long)]
+    keep_outliers: bool,
     /// Fastest believable change of temperature, in degC/min
     #[arg(long, value_name = "RATE", default_value_t = ThermalSettings::DEFAULT.max_slew_c_per_min, allow_negative_numbers = true)]
     max_slew: f32,
@@ -61,6 +72,8 @@ pub(crate) struct Args {
 enum ModelArg {
     Static,
     Composite,
+    Spline,
+    Auto,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -70,6 +83,14 @@ enum OverlapArg {
     Mean,
     Linear,
     Smooth,
+}
+
+fn stretch(text: &str) -> Result<Stretch, String> {
+    let ends = text.split_once(':').and_then(|(from, to)| {
+        let (from_s, to_s) = (from.trim().parse().ok()?, to.trim().parse().ok()?);
+        (from_s < to_s).then_some(Stretch { from_s, to_s })
+    });
+    ends.ok_or_else(|| "expected T1:T2 in s, T1 before T2".to_owned())
 }
 
 pub(crate) fn run(args: &Args) -> Result<Verdict> {
@@ -83,6 +104,8 @@ pub(crate) fn run(args: &Args) -> Result<Verdict> {
         model: match args.model {
             ModelArg::Static => Model::Static,
             ModelArg::Composite => Model::Composite,
+            ModelArg::Spline => Model::Spline,
+            ModelArg::Auto => Model::Auto,
         },
         overlap: match args.overlap {
             OverlapArg::None => Overlap::None,
@@ -93,11 +116,13 @@ pub(crate) fn run(args: &Args) -> Result<Verdict> {
         },
         segments: args.segments.clone(),
         thermal: ThermalSettings {
-            tau_s: args.rate_tau,
-            kappa: args.kappa,
             max_slew_c_per_min: args.max_slew,
             ..ThermalSettings::DEFAULT
         },
+        rate_tau_s: args.rate_tau,
+        kappa: args.kappa,
+        exclude: args.exclude.clone(),
+        robust: !args.keep_outliers,
         scale_factor_arcsec: args.reading.scale_factor,
         tau_s: args.tau,
     };
@@ -112,6 +137,7 @@ pub(crate) fn run(args: &Args) -> Result<Verdict> {
     write_files(&args.out, &files).context("nothing was written")?;
 
     summarise(&set, args)?;
+    set.channels.iter().try_for_each(show_choice)?;
     for remark in &remarks {
         print(format_args!("remark: {remark}"))?;
     }
@@ -126,7 +152,8 @@ fn summarise(set: &CoefficientSet, args: &Args) -> Result<()> {
     for channel in &set.channels {
         let data = &channel.table;
         print(format_args!(
-            "{} of unit {}: {} segments, {} cells, {} to {} degC, {} to {} degC/min",
+            "{} of unit {}: {} segments, {} cells, {} to {} degC, {} to {} degC/min, rate \
+             tau {} s, kappa {}",
             channel.temperature,
             set.serial,
             channel.segments.len(),
@@ -135,6 +162,8 @@ fn summarise(set: &CoefficientSet, args: &Args) -> Result<()> {
             figure(data.t_max_c.into()),
             figure(data.thermal.rate_min_c_per_min.into()),
             figure(data.thermal.rate_max_c_per_min.into()),
+            figure(data.thermal.tau_s.into()),
+            figure(data.thermal.kappa.into()),
         ))?;
     }
     let rows = set.axes().filter_map(|(_, axis)| {

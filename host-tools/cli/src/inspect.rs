@@ -8,13 +8,13 @@ use tempco_fit::set::{ChannelSet, MISMATCH_ALARM};
 
 use crate::Verdict;
 use crate::output::{figure, print, table};
-use crate::set_tables::show_coverage;
+use crate::set_tables::{show_choice, show_coverage};
 
 /// Show a coefficient set: segments, ranges, mismatches, jumps, CRC, provenance
 ///
 /// Also reads printed static coefficients from CSV (gyro, segment, temp_min_c, temp_max_c,
 /// a0_pulses, ...). Exits with 1 where neighbouring segments disagree by more than half of the
-/// axis's bias range.
+/// axis's bias range, or where the set is marked as rejected.
 #[derive(clap::Args)]
 pub(crate) struct Args {
     /// Coefficient set (coefficients.json, or printed coefficients as .csv)
@@ -41,6 +41,23 @@ pub(crate) fn run(args: &Args) -> Result<Verdict> {
             input.file, input.rows, input.duration_s, input.sha256
         ))?;
     }
+    for verdict in &set.sign_offs {
+        let outcome = if verdict.accepted {
+            "accepted".to_owned()
+        } else {
+            format!(
+                "rejected: no better than none on {}",
+                verdict.worse_axes.join(", ")
+            )
+        };
+        print(format_args!(
+            "  judged on {} at {}: {outcome}",
+            verdict.file, verdict.judged
+        ))?;
+    }
+    if set.is_rejected() {
+        eprintln!("rejected: the last verification log found it no better than none");
+    }
     let mut alarms = Vec::new();
     for channel in &set.channels {
         show_channel(channel)?;
@@ -57,7 +74,7 @@ pub(crate) fn run(args: &Args) -> Result<Verdict> {
             alarms.join(", ")
         );
     }
-    Ok(Verdict::of(alarms.is_empty()))
+    Ok(Verdict::of(alarms.is_empty() && !set.is_rejected()))
 }
 
 fn show_channel(channel: &ChannelSet) -> Result<()> {
@@ -94,6 +111,7 @@ fn show_channel(channel: &ChannelSet) -> Result<()> {
     print(table(&header, rows))?;
     show_sigmas(channel)?;
     show_coverage(&channel.segments)?;
+    show_choice(channel)?;
 
     show_rounding(channel)?;
 

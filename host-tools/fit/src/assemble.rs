@@ -2,7 +2,9 @@
 
 use tempco::ThermalSettings;
 
+use crate::joint::Selection;
 use crate::model::AxisModel;
+use crate::screen::Screening;
 use crate::segment::{Overlap, Segmentation};
 use crate::set::{
     AxisSet, ChannelSet, CoefficientSet, FORMAT_VERSION, Provenance, SegmentSet, Settings,
@@ -15,6 +17,8 @@ pub(crate) struct Fitted {
     pub(crate) temperature: String,
     pub(crate) segments: Vec<SegmentSet>,
     pub(crate) axes: Vec<AxisSet>,
+    pub(crate) screening: Option<Screening>,
+    pub(crate) selection: Option<Selection>,
 }
 
 /// Makes the channel's table; `calibrated_c` is the range of temperatures that was measured.
@@ -64,6 +68,8 @@ pub(crate) fn channel(
         axes: fitted.axes,
         table_deviation: cells.deviation,
         boundary_moved_c: cells.moved_c,
+        screening: fitted.screening,
+        selection: fitted.selection,
     }
 }
 
@@ -82,6 +88,7 @@ pub(crate) fn set(
         settings,
         channels,
         table_crc32: String::new(),
+        sign_offs: Vec::new(),
     };
     set.table_crc32 = format!("{:08x}", set.crc32());
     set

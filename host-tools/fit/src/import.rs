@@ -91,9 +91,13 @@ pub(crate) fn static_coefficients(path: &Path, text: &str) -> Result<Coefficient
                     unit: AxisUnit::PulsesPerS,
                     polynomials,
                     sigmas: Vec::new(),
+                    noise: None,
+                    held_out: None,
                     statistics: None,
                 })
                 .collect(),
+            screening: None,
+            selection: None,
         },
         &segmentation,
         Overlap::Linear,

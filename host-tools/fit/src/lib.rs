@@ -16,6 +16,7 @@ pub mod apply;
 mod assemble;
 pub mod fit;
 mod import;
+mod joint;
 mod load;
 pub mod log;
 pub mod metrics;
@@ -23,14 +24,19 @@ pub mod model;
 mod regress;
 pub mod rfactor;
 mod rounding;
+mod screen;
 pub mod segment;
 pub mod set;
 mod solve;
 mod statistics;
 mod tabulate;
+#[cfg(test)]
+mod testing;
 pub mod unit;
 
+pub use joint::{Candidate, HeldOutErrors, Place, Selection};
 pub use load::{SetError, load_set};
 pub use regress::thermal_points;
 pub use rounding::RoundingBound;
+pub use screen::{BiasStep, Screening, Stretch};
 pub use solve::TERMS;

@@ -49,41 +49,64 @@ pub(crate) struct ChannelData<'a> {
     pub(crate) logs: &'a [Log],
     pub(crate) channel: usize,
     pub(crate) points: Vec<Vec<ThermalPoint>>,
+    /// For each log and row, whether it may enter a fit.
+    pub(crate) keep: Vec<Vec<bool>>,
+    /// For each log and axis, how far its constant bias is from the mean of the logs
+    /// \[unit of the axis\]; 0 until it is known.
+    pub(crate) constants: Vec<Vec<f64>>,
 }
 
 impl<'a> ChannelData<'a> {
     pub(crate) fn new(logs: &'a [Log], channel: usize, thermal: &Thermal) -> Self {
-        let points = logs
+        let points: Vec<Vec<ThermalPoint>> = logs
             .iter()
             .map(|log| thermal_points(log, channel, thermal))
             .collect();
+        let keep = points
+            .iter()
+            .map(|points| points.iter().map(is_usable).collect())
+            .collect();
+        let axes = logs[0].channels[channel].axes.len();
         Self {
             logs,
             channel,
             points,
+            keep,
+            constants: vec![vec![0.0; axes]; logs.len()],
         }
     }
 
-    /// Usable rows: the point and the values of all axes.
+    /// The same rows with the regressors of other settings; rows that these make unusable go.
+    pub(crate) fn with(&self, thermal: &Thermal) -> Self {
+        let mut data = Self::new(self.logs, self.channel, thermal);
+        for (keep, kept) in data.keep.iter_mut().zip(&self.keep) {
+            for (keep, kept) in keep.iter_mut().zip(kept) {
+                *keep &= kept;
+            }
+        }
+        data.constants.clone_from(&self.constants);
+        data
+    }
+
+    /// Kept rows: the point and the values of all axes, less the constant of their log.
     pub(crate) fn rows(&self) -> impl Iterator<Item = (&ThermalPoint, impl Iterator<Item = f64>)> {
         self.timed_rows().map(|(_, point, raw)| (point, raw))
     }
 
-    /// Usable rows with the interval of their log \[s\].
+    /// Kept rows with the interval of their log \[s\].
     pub(crate) fn timed_rows(
         &self,
     ) -> impl Iterator<Item = (f64, &ThermalPoint, impl Iterator<Item = f64>)> {
         self.logs
             .iter()
             .zip(&self.points)
-            .flat_map(|(log, points)| {
+            .zip(self.keep.iter().zip(&self.constants))
+            .flat_map(|((log, points), (keep, constants))| {
                 let axes = &log.channels[self.channel].axes;
-                let usable = points
-                    .iter()
-                    .enumerate()
-                    .filter(|(_, point)| is_usable(point));
-                usable.map(move |(row, point)| {
-                    let raw = axes.iter().map(move |axis| axis.raw[row]);
+                let kept = points.iter().enumerate().filter(|(row, _)| keep[*row]);
+                kept.map(move |(row, point)| {
+                    let raw = axes.iter().zip(constants);
+                    let raw = raw.map(move |(axis, constant)| axis.raw[row] - constant);
                     (log.interval_s, point, raw)
                 })
             })
@@ -93,7 +116,7 @@ impl<'a> ChannelData<'a> {
         self.logs[0].channels[self.channel].axes.len()
     }
 
-    /// Lowest and highest of a figure of the usable rows.
+    /// Lowest and highest of a figure of the kept rows.
     pub(crate) fn range(&self, figure: impl Fn(&ThermalPoint) -> f32) -> (f32, f32) {
         self.rows()
             .map(|(point, _)| figure(point))

@@ -28,6 +28,8 @@ pub struct Solution {
     pub coefficients: Vec<Vec<f64>>,
     /// Standard deviations of the coefficients, for each observation, if the residuals are white.
     pub sigmas: Vec<Vec<f64>>,
+    /// Correlations of the coefficients, row by row; the same for all observations.
+    pub correlations: Vec<Vec<f64>>,
     /// Root mean square of the residuals, for each observation.
     pub rms: Vec<f64>,
     /// Condition number of the regressors, each scaled to unit length.
@@ -137,6 +139,7 @@ impl RFactor {
         let mut solution = Solution {
             coefficients: Vec::new(),
             sigmas: Vec::new(),
+            correlations: correlations(&inverse),
             rms: Vec::new(),
             condition,
         };
@@ -152,6 +155,18 @@ impl RFactor {
         }
         Some(solution)
     }
+}
+
+/// Cosines of the angles between the rows of the inverse triangle.
+fn correlations(inverse: &DMatrix<f64>) -> Vec<Vec<f64>> {
+    let of_row = |i: usize| {
+        let cosine = |j: usize| {
+            let (a, b) = (inverse.row(i), inverse.row(j));
+            a.dot(&b) / (a.norm() * b.norm())
+        };
+        (0..inverse.nrows()).map(cosine).collect()
+    };
+    (0..inverse.nrows()).map(of_row).collect()
 }
 
 /// Root mean squares of a regressor, in its unit.

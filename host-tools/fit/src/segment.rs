@@ -22,6 +22,8 @@ pub enum Overlap {
     Linear,
     /// A blend whose weight `x^2 (3 - 2x)` has no kink at the ends of the overlap.
     Smooth,
+    /// Segments that abut, fitted together so that they meet in value and slope.
+    Spline,
 }
 
 impl Overlap {
@@ -33,6 +35,7 @@ impl Overlap {
             Self::Mean => "mean",
             Self::Linear => "linear",
             Self::Smooth => "smooth",
+            Self::Spline => "spline",
         }
     }
 
@@ -42,13 +45,13 @@ impl Overlap {
 
     /// Whether the pieces of the model meet at their boundaries.
     pub(crate) const fn meets(self) -> bool {
-        matches!(self, Self::Linear | Self::Smooth)
+        matches!(self, Self::Linear | Self::Smooth | Self::Spline)
     }
 
     /// Weight of the hotter neighbour at share `x` (0 to 1) of the overlap.
     fn weight(self, x: f64) -> f64 {
         match self {
-            Self::None | Self::Hard | Self::Mean => 0.5,
+            Self::None | Self::Hard | Self::Mean | Self::Spline => 0.5,
             Self::Linear => x,
             Self::Smooth => x * x * (3.0 - 2.0 * x),
         }
@@ -159,6 +162,11 @@ impl Segmentation {
     /// with overlaps of an eighth of the range between four.
     pub fn over(t_min_c: f64, t_max_c: f64) -> Result<Self, SegmentError> {
         let count = ((t_max_c - t_min_c) / 24.0).round().clamp(1.0, 4.0) as u32;
+        Self::of(count, t_min_c, t_max_c)
+    }
+
+    /// A number of segments over a range, with overlaps of half a segment.
+    pub(crate) fn of(count: u32, t_min_c: f64, t_max_c: f64) -> Result<Self, SegmentError> {
         let unit_c = (t_max_c - t_min_c) / f64::from(4 * count);
         let segments = (0..count).map(|k| Segment {
             t_min_c: t_min_c + unit_c * f64::from((4 * k).saturating_sub(1)),

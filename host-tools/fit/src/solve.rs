@@ -11,14 +11,14 @@ pub const TERMS: [&str; 5] = ["1", "T", "T^2", "T'", "T T'"];
 /// A term is dropped where the part of it that the terms before it cannot represent is less than
 /// this share of what it would be with `z` all over the segment: the error of its coefficient
 /// would be 20 times larger.
-const LEAST_SHARE: f64 = 0.05;
+pub(crate) const LEAST_SHARE: f64 = 0.05;
 
 /// Noise a temperature sensor may have \[degC\]. Divided by the time constant of the estimator it
 /// is the spread of rates that says nothing.
-const SENSOR_NOISE_C: f64 = 0.05;
+pub(crate) const SENSOR_NOISE_C: f64 = 0.05;
 
 /// The share of a segment that the data must span, so that the curve is not extrapolated.
-const LEAST_SPAN: f64 = 0.2;
+pub(crate) const LEAST_SPAN: f64 = 0.2;
 
 /// What a segment's rows gave.
 #[derive(Clone, Debug, PartialEq)]
@@ -65,10 +65,35 @@ impl SegmentRows {
         self.factor.push(regressors.into_iter().chain(raw));
     }
 
+    /// Takes in all rows of `other`.
+    pub(crate) fn merge(&mut self, other: Self) {
+        let wider = |a: (f64, f64), b: (f64, f64)| (a.0.min(b.0), a.1.max(b.1));
+        self.z_range = wider(self.z_range, other.z_range);
+        self.rate_range = wider(self.rate_range, other.rate_range);
+        self.time_s += other.time_s;
+        self.factor.merge(other.factor);
+    }
+
+    pub(crate) fn rows(&self) -> u64 {
+        self.factor.rows()
+    }
+
+    /// What the rows cover.
+    pub(crate) fn coverage(&mut self) -> Coverage {
+        Coverage {
+            time_s: self.time_s,
+            width: ((self.z_range.1 - self.z_range.0) / 2.0).max(0.0),
+            rate_min_c_per_min: self.rate_range.0,
+            rate_max_c_per_min: self.rate_range.1,
+            rate_independent_c_per_min: self.factor.independence()[3].independent,
+        }
+    }
+
     /// Fits up to `most_terms` terms, fewer where the rows cannot tell them apart.
     pub(crate) fn fit(mut self, most_terms: usize, tau_s: f64) -> Result<SegmentFit, Unfit> {
         let rows = self.factor.rows();
-        let span = (self.z_range.1 - self.z_range.0) / 2.0;
+        let coverage = self.coverage();
+        let span = coverage.width;
         if rows < 10 * most_terms as u64 {
             return Err(Unfit::Rows(rows));
         }
@@ -91,13 +116,7 @@ impl SegmentRows {
         Ok(SegmentFit {
             terms,
             rows,
-            coverage: Coverage {
-                time_s: self.time_s,
-                width: span,
-                rate_min_c_per_min: self.rate_range.0,
-                rate_max_c_per_min: self.rate_range.1,
-                rate_independent_c_per_min: independence[3].independent,
-            },
+            coverage,
             solution,
         })
     }

@@ -37,7 +37,8 @@ pub(crate) fn note(
                 cubic.add(log, tau_s, values);
             }
             let serial_factor = compensated.serial_factor();
-            for sigmas in &mut axis.sigmas {
+            // Those of a spline account for what is not white already.
+            for sigmas in axis.sigmas.iter_mut().filter(|_| axis.noise.is_none()) {
                 sigmas.scale(serial_factor.unwrap_or(1.0));
             }
             axis.statistics = Some(AxisStatistics {

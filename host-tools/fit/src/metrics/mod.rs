@@ -21,9 +21,10 @@ use serde::Serialize;
 use thiserror::Error;
 
 use crate::apply::{Applied, ApplyError, ChannelInputs, apply, inputs};
+use crate::assemble;
 use crate::log::Log;
 use crate::regress::{points_of, with_every_rate};
-use crate::set::{ChannelSet, CoefficientSet, CoefficientSigmas, SegmentSet};
+use crate::set::{ChannelSet, CoefficientSet, CoefficientSigmas, SegmentSet, SignOff};
 use crate::unit::AxisUnit;
 use correlation::pearson;
 use hysteresis::Bins;
@@ -130,6 +131,27 @@ pub struct Boundary {
     /// Largest jump of the table within the overlap, its ends included, at zero, lowest and
     /// highest rate, in the core's own arithmetic.
     pub jump: f64,
+}
+
+impl Evaluation {
+    /// The axes on which the compensation is no better than none.
+    pub fn worse_axes(&self) -> Vec<String> {
+        let worse = self.axes.iter().filter(|axis| !axis.is_acceptable());
+        worse.map(|axis| axis.axis.clone()).collect()
+    }
+
+    /// The verdict as it is noted in a set.
+    pub fn sign_off(&self) -> SignOff {
+        let worse_axes = self.worse_axes();
+        SignOff {
+            file: self.log.file.clone(),
+            sha256: self.log.sha256.clone(),
+            judged: assemble::now(),
+            tau_s: self.tau_s,
+            accepted: worse_axes.is_empty(),
+            worse_axes,
+        }
+    }
 }
 
 impl AxisEvaluation {

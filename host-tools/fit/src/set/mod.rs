@@ -8,7 +8,9 @@ pub use table::TableData;
 
 use serde::{Deserialize, Serialize};
 
+use crate::joint::{HeldOutErrors, Selection};
 use crate::model::{Mismatch, Polynomial, mismatches};
+use crate::screen::Screening;
 use crate::segment::{Overlap, Segment, SegmentError, Segmentation};
 use crate::unit::AxisUnit;
 
@@ -37,6 +39,27 @@ pub struct CoefficientSet {
     pub channels: Vec<ChannelSet>,
     /// CRC-32P4 over the numbers of all tables, in hexadecimal.
     pub table_crc32: String,
+    /// Verdicts of verification logs, oldest first; the last one counts.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub sign_offs: Vec<SignOff>,
+}
+
+/// The verdict of a verification log on a set.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SignOff {
+    /// Name of the log's file.
+    pub file: String,
+    /// SHA-256 of the log, in hexadecimal.
+    pub sha256: String,
+    /// Time of judging, RFC 3339, UTC.
+    pub judged: String,
+    /// Averaging time of the bias stabilities that were compared \[s\].
+    pub tau_s: f64,
+    /// Whether the compensation is better than none on every axis.
+    pub accepted: bool,
+    /// The axes on which it is not.
+    pub worse_axes: Vec<String>,
 }
 
 /// Where a set comes from.
@@ -75,7 +98,7 @@ pub struct Input {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Settings {
-    /// `static` or `composite`.
+    /// `static`, `composite`, `spline` or `auto`.
     pub model: Model,
     /// What is applied where segments overlap.
     pub overlap: Overlap,
@@ -91,6 +114,11 @@ pub enum Model {
     Static,
     /// `a0 + a1 T + a2 T^2 + a3 T' + a4 T T'`
     Composite,
+    /// The same terms in every segment, the static part continuous in value and slope, the rate
+    /// part in value; fitted together with the lag shift.
+    Spline,
+    /// Whichever of the others does best on soaks and ramps it was not fitted to.
+    Auto,
 }
 
 impl Model {
@@ -99,13 +127,15 @@ impl Model {
         match self {
             Self::Static => "static",
             Self::Composite => "composite",
+            Self::Spline => "spline",
+            Self::Auto => "auto",
         }
     }
 
     pub(crate) const fn terms(self) -> usize {
         match self {
             Self::Static => 3,
-            Self::Composite => 5,
+            Self::Composite | Self::Spline | Self::Auto => 5,
         }
     }
 }
@@ -126,6 +156,12 @@ pub struct ChannelSet {
     pub table_deviation: f64,
     /// How far a boundary between segments had to be moved to fall on an edge of a cell \[degC\].
     pub boundary_moved_c: f64,
+    /// What was left out of the fit, and what was found in the logs; none in an imported set.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub screening: Option<Screening>,
+    /// What the model was chosen from; none where it was given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub selection: Option<Selection>,
 }
 
 /// One segment as fitted.
@@ -177,15 +213,33 @@ pub struct AxisSet {
     /// Standard deviations of the coefficients of each polynomial; empty in an imported set.
     #[serde(default)]
     pub sigmas: Vec<CoefficientSigmas>,
+    /// What remains after a spline model, as noise; none of other models, whose residuals are not
+    /// taken apart.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub noise: Option<NoiseSet>,
+    /// Errors on soaks and ramps that were left out of the fit; none in an imported set.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub held_out: Option<HeldOutErrors>,
     /// How well the set does on the logs it was fitted to; none in an imported set.
     pub statistics: Option<AxisStatistics>,
+}
+
+/// White noise and random walk that account for the residuals of a fit.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct NoiseSet {
+    /// Standard deviation of means over ten seconds \[unit of the axis\].
+    pub white: f64,
+    /// Growth of the random walk \[unit of the axis per square root of an hour\].
+    pub walk: f64,
 }
 
 /// Standard deviations (1 sigma) of the coefficients of a
 /// [`Polynomial`], in its basis; 0 for terms that were not fitted.
 ///
-/// Those of least squares, which hold for white residuals, times the
-/// [`serial_factor`](AxisStatistics::serial_factor) of the axis.
+/// Of static and composite models, those of least squares, which hold for white residuals, times
+/// the [`serial_factor`](AxisStatistics::serial_factor) of the axis; of splines, those under the
+/// [`noise`](AxisSet::noise) of the axis.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CoefficientSigmas {
@@ -193,15 +247,38 @@ pub struct CoefficientSigmas {
     pub a: [f64; 3],
     /// Of the rate coefficients, lowest power first \[unit of the axis per degC/min\].
     pub r: [f64; 2],
+    /// Correlations of `a0 a1 a2 r0 r1`, row by row; 0 with a term that was not fitted.
+    #[serde(default)]
+    pub correlation: [[f64; 5]; 5],
 }
 
 impl CoefficientSigmas {
     /// From the leading coefficients of `1, z, z^2, T', z T'`.
-    pub(crate) fn new(sigmas: &[f64]) -> Self {
+    pub(crate) fn new(sigmas: &[f64], correlations: &[Vec<f64>]) -> Self {
         let at = |term: usize| sigmas.get(term).copied().unwrap_or(0.0);
+        let correlation = |i: usize, j: usize| {
+            let row = correlations.get(i);
+            row.and_then(|row| row.get(j)).copied().unwrap_or(0.0)
+        };
         Self {
             a: [at(0), at(1), at(2)],
             r: [at(3), at(4)],
+            correlation: std::array::from_fn(|i| std::array::from_fn(|j| correlation(i, j))),
+        }
+    }
+
+    /// From the covariance of `a0 a1 a2 r0 r1`.
+    pub(crate) fn from_covariance(covariance: [[f64; 5]; 5]) -> Self {
+        let sigmas: [f64; 5] = std::array::from_fn(|i| covariance[i][i].max(0.0).sqrt());
+        let correlation = |i: usize, j: usize| match sigmas[i] * sigmas[j] {
+            0.0 => 0.0,
+            product => covariance[i][j] / product,
+        };
+        let [a0, a1, a2, r0, r1] = sigmas;
+        Self {
+            a: [a0, a1, a2],
+            r: [r0, r1],
+            correlation: std::array::from_fn(|i| std::array::from_fn(|j| correlation(i, j))),
         }
     }
 
@@ -282,6 +359,11 @@ impl CoefficientSet {
         })?;
         set.check()?;
         Ok(set)
+    }
+
+    /// Whether the last verification log that was signed off rejects the set.
+    pub fn is_rejected(&self) -> bool {
+        self.sign_offs.last().is_some_and(|last| !last.accepted)
     }
 
     /// Checks what the types cannot.

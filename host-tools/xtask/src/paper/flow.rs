@@ -119,6 +119,10 @@ fn calibrate(logs: &[Log], model: Model, overlap: Overlap) -> Result<Coefficient
         overlap,
         segments: Some(segments),
         thermal: ThermalSettings::DEFAULT,
+        rate_tau_s: None,
+        kappa: None,
+        exclude: Vec::new(),
+        robust: true,
         scale_factor_arcsec: None,
         tau_s: TAU_S,
     };

@@ -1,19 +1,22 @@
 //! The fit: logs in, coefficient set out.
 
-use tempco::{TableError, ThermalSettings};
-use thiserror::Error;
+mod channel;
+mod error;
+mod segments;
 
-use crate::apply::ApplyError;
-use crate::assemble::{self, Fitted};
+pub(crate) use channel::ChannelFit;
+use channel::Findings;
+pub use error::FitError;
+
+use tempco::ThermalSettings;
+
+use crate::assemble;
+use crate::joint::{self, Blocks, Choice, Chosen, FixedLag, Question, RateForm};
 use crate::log::Log;
-use crate::model::Polynomial;
 use crate::regress::{ChannelData, is_usable, with_every_rate};
-use crate::segment::{Overlap, Segment, SegmentError, Segmentation};
-use crate::set::{
-    AxisSet, ChannelSet, CoefficientSet, CoefficientSigmas, Input, Model, Provenance, SegmentSet,
-    Settings,
-};
-use crate::solve::{SegmentRows, TERMS};
+use crate::screen::{Screening, Stretch, screen};
+use crate::segment::{Overlap, Segmentation};
+use crate::set::{ChannelSet, CoefficientSet, Input, Model, Provenance, Settings};
 use crate::statistics;
 
 /// The whole log must span this much for a fit to mean anything \[degC\].
@@ -34,8 +37,17 @@ pub struct FitOptions {
     /// The segments; without them the measured range is divided in the paper's manner.
     pub segments: Option<Segmentation>,
     /// Settings of the thermal path. The rate limits and the reference temperature are set by the
-    /// fit.
+    /// fit; time constant and `kappa` as well, where the model is a spline and they are not fixed
+    /// below.
     pub thermal: ThermalSettings,
+    /// Time constant of the rate estimator \[s\], if it is not to be fitted.
+    pub rate_tau_s: Option<f32>,
+    /// Shift of the effective temperature, if it is not to be fitted.
+    pub kappa: Option<f32>,
+    /// Stretches of log time that are not fitted, in every log.
+    pub exclude: Vec<Stretch>,
+    /// Whether spikes and disturbances are left out.
+    pub robust: bool,
     /// Angle per pulse that the logs were read with \[arcsec\].
     pub scale_factor_arcsec: Option<f64>,
     /// Averaging time of the statistics \[s\].
@@ -60,6 +72,14 @@ pub struct Fit {
 /// Logs that do not belong together, too little temperature span, segments without data.
 pub fn fit(logs: &[Log], options: &FitOptions) -> Result<Fit, FitError> {
     let first = logs.first().ok_or(FitError::NoLogs)?;
+    let options = &FitOptions {
+        thermal: ThermalSettings {
+            tau_s: options.rate_tau_s.unwrap_or(options.thermal.tau_s),
+            kappa: options.kappa.unwrap_or(options.thermal.kappa),
+            ..options.thermal
+        },
+        ..options.clone()
+    };
     for log in logs {
         check_same_axes(first, log)?;
         check_interval(log, &options.thermal)?;
@@ -70,10 +90,10 @@ pub fn fit(logs: &[Log], options: &FitOptions) -> Result<Fit, FitError> {
     let mut remarks = Vec::new();
     let mut unusable_rows = vec![0; logs.len()];
     let mut channels = Vec::new();
-    let data: Vec<ChannelData> = (0..first.channels.len())
+    let mut data: Vec<ChannelData> = (0..first.channels.len())
         .map(|channel| ChannelData::new(logs, channel, &open))
         .collect();
-    for data in &data {
+    for data in &mut data {
         for (count, points) in unusable_rows.iter_mut().zip(&data.points) {
             *count += points.iter().filter(|point| !is_usable(point)).count();
         }
@@ -92,7 +112,10 @@ pub fn fit(logs: &[Log], options: &FitOptions) -> Result<Fit, FitError> {
         },
         Settings {
             model: options.model,
-            overlap: options.overlap,
+            overlap: match options.model {
+                Model::Spline => Overlap::Spline,
+                _ => options.overlap,
+            },
             scale_factor_arcsec: options.scale_factor_arcsec,
         },
         channels,
@@ -103,10 +126,13 @@ pub fn fit(logs: &[Log], options: &FitOptions) -> Result<Fit, FitError> {
 }
 
 fn fit_channel(
-    data: &ChannelData,
+    data: &mut ChannelData,
     options: &FitOptions,
     remarks: &mut Vec<String>,
 ) -> Result<ChannelSet, FitError> {
+    let screening = screen(data, &options.thermal, &options.exclude, options.robust)
+        .map_err(FitError::Settings)?;
+    remark_on_screening(data, &screening, remarks);
     let (t_min_c, t_max_c) = data.range(|point| point.effective_c);
     let span_c = t_max_c - t_min_c;
     if span_c.is_nan() || span_c < LEAST_SPAN_C {
@@ -116,107 +142,104 @@ fn fit_channel(
         Some(segmentation) => segmentation.clone(),
         None => Segmentation::over(f64::from(t_min_c), f64::from(t_max_c))?,
     };
-    let temperature = &data.logs[0].channels[data.channel].column;
-
-    let ranges = segmentation.fit_ranges(options.overlap);
-    let mut rows = vec![SegmentRows::new(data.axes()); ranges.len()];
-    let mut outside = 0_usize;
-    for (interval_s, point, raw) in data.timed_rows() {
-        let temp_c = f64::from(point.effective_c);
-        let raw: Vec<f64> = raw.collect();
-        let mut taken = false;
-        for ((segment, range), rows) in segmentation.segments().iter().zip(&ranges).zip(&mut rows) {
-            if temp_c >= range.t_min_c && temp_c <= range.t_max_c {
-                let z = (temp_c - segment.centre_c()) / segment.half_width_c();
-                let rate = f64::from(point.rate_c_per_min);
-                rows.push(interval_s, z, rate, raw.iter().copied());
-                taken = true;
-            }
+    let blocks = Blocks::new(data);
+    let question = Question {
+        data,
+        blocks: &blocks,
+        settings: options.thermal,
+        fixed: FixedLag {
+            tau_s: options.rate_tau_s.map(f64::from),
+            kappa: options.kappa.map(f64::from),
+        },
+        segments: options.segments.as_ref(),
+        overlap: options.overlap,
+        all_models: options.model == Model::Auto,
+    };
+    let (choice, selection, chosen) = match options.model {
+        Model::Static | Model::Composite => {
+            let choice = Choice::Segments {
+                model: options.model,
+                segmentation: segmentation.clone(),
+            };
+            (choice, None, Chosen::Model(options.model))
         }
-        outside += usize::from(!taken);
+        Model::Spline | Model::Auto => {
+            let (choice, selection, held_out) = question.answer().map_err(FitError::Settings)?;
+            (choice, Some(selection), Chosen::HeldOut(held_out))
+        }
+    };
+    let held_out = question
+        .comparison(&segmentation, chosen)
+        .map_err(FitError::Settings)?;
+    let fitted = match choice {
+        Choice::Segments {
+            model,
+            segmentation,
+        } => {
+            let division = (&segmentation, options.overlap);
+            segments::fit(data, options.thermal, model.terms(), division, remarks)?
+        }
+        Choice::Spline {
+            layout,
+            rate,
+            lag,
+            with_rate,
+        } => {
+            remark_on_rates(data, rate == RateForm::None, &with_rate, remarks);
+            joint::fit(data, options.thermal, lag, (&layout, rate), &with_rate)?
+        }
+    };
+    let findings = Findings {
+        screening,
+        selection,
+        held_out,
+    };
+    Ok(fitted.into_set(data, findings))
+}
+
+fn remark_on_screening(data: &ChannelData, found: &Screening, remarks: &mut Vec<String>) {
+    let temperature = &data.logs[0].channels[data.channel].column;
+    let counts = [
+        (found.excluded_rows, "in excluded stretches"),
+        (found.spike_rows, "spikes"),
+        (found.disturbed_rows, "disturbed for 10 s or more"),
+    ];
+    for (rows, why) in counts.into_iter().filter(|(rows, _)| *rows > 0) {
+        remarks.push(format!("{temperature}: {rows} rows left out: {why}"));
     }
-    if outside > 0 {
-        let (low, high) = segmentation.range_c();
+    for step in &found.steps {
         remarks.push(format!(
-            "{outside} rows lie outside the segments ({low} to {high} degC); at run time the \
-             temperature is clamped there"
+            "{}: the bias of {} steps by {:+.3e} at {:.0} s; leave the stretch out by --exclude if \
+             it is not of the unit",
+            step.file, step.axis, step.size, step.time_s
         ));
     }
+}
 
-    let mut segments = Vec::new();
-    let mut polynomials = vec![Vec::new(); data.axes()];
-    let mut sigmas = vec![Vec::new(); data.axes()];
-    for (segment, rows) in segmentation.segments().iter().zip(rows) {
-        let fit = rows
-            .fit(options.model.terms(), f64::from(options.thermal.tau_s))
-            .map_err(|unfit| FitError::Segment {
-                segment: *segment,
-                reason: unfit.to_string(),
-                t_min_c,
-                t_max_c,
-            })?;
-        if fit.terms < options.model.terms() {
-            remarks.push(format!(
-                "segment {segment} degC ({temperature}): the data cannot tell {} apart from the \
-                 other terms; dropped",
-                TERMS[fit.terms..options.model.terms()].join(", ")
-            ));
-        }
-        for (axis, coefficients) in polynomials.iter_mut().zip(&fit.solution.coefficients) {
-            axis.push(Polynomial::new(segment, coefficients));
-        }
-        for (axis, found) in sigmas.iter_mut().zip(&fit.solution.sigmas) {
-            axis.push(CoefficientSigmas::new(found));
-        }
-        segments.push(SegmentSet {
-            t_min_c: segment.t_min_c,
-            t_max_c: segment.t_max_c,
-            terms: TERMS[..fit.terms]
-                .iter()
-                .map(|&term| term.to_owned())
-                .collect(),
-            rows: fit.rows,
-            condition: fit.solution.condition,
-            coverage: Some(fit.coverage),
-        });
+/// Says which axes are left without rate terms, and why.
+fn remark_on_rates(data: &ChannelData, none: bool, with_rate: &[bool], remarks: &mut Vec<String>) {
+    let channel = &data.logs[0].channels[data.channel];
+    if none {
+        remarks.push(format!(
+            "{}: not improvable by the rate of temperature, as far as these logs tell: the model \
+             has no rate terms and no lag shift (they are tried where the logs hold four soaks and \
+             ramps or more, at rates that differ)",
+            channel.column
+        ));
+        return;
     }
-
-    let (rate_min, rate_max) = data.range(|point| point.rate_c_per_min);
-    let (low, high) = segmentation.range_c();
-    let calibrated = (t_min_c.max(low as f32), t_max_c.min(high as f32));
-    let reference_c = match calibrated {
-        (low, high) if (low..=high).contains(&25.0) => 25.0,
-        (low, high) => 0.5 * (low + high),
-    };
-    let thermal = ThermalSettings {
-        rate_min_c_per_min: rate_min.min(0.0),
-        rate_max_c_per_min: rate_max.max(0.0),
-        reference_c,
-        ..options.thermal
-    };
-    let axes = data.logs[0].channels[data.channel].axes.iter();
-    let fitted = Fitted {
-        temperature: temperature.clone(),
-        segments,
-        axes: axes
-            .zip(polynomials)
-            .zip(sigmas)
-            .map(|((axis, polynomials), sigmas)| AxisSet {
-                name: axis.name.clone(),
-                unit: axis.unit,
-                polynomials,
-                sigmas,
-                statistics: None,
-            })
-            .collect(),
-    };
-    Ok(assemble::channel(
-        fitted,
-        &segmentation,
-        options.overlap,
-        thermal,
-        calibrated,
-    ))
+    let without = channel
+        .axes
+        .iter()
+        .zip(with_rate)
+        .filter(|(_, with)| !**with);
+    for (axis, _) in without {
+        remarks.push(format!(
+            "axis {}: rate terms do not improve what was left out of the fit by more than one \
+             standard error; dropped",
+            axis.name
+        ));
+    }
 }
 
 fn remark_on_set(set: &CoefficientSet, remarks: &mut Vec<String>) {
@@ -302,67 +325,4 @@ fn check_interval(log: &Log, thermal: &ThermalSettings) -> Result<(), FitError> 
         });
     }
     Ok(())
-}
-
-/// A fit was refused.
-#[derive(Debug, Error)]
-#[non_exhaustive]
-pub enum FitError {
-    /// No log was given.
-    #[error("no log was given")]
-    NoLogs,
-    /// The logs do not have the same axes in the same units.
-    #[error("the logs do not belong together: {first}, but {other}")]
-    Different {
-        /// The first log and its columns.
-        first: String,
-        /// The log that differs and its columns.
-        other: String,
-    },
-    /// The estimator cannot work at the log's interval.
-    #[error(
-        "{file}: rows are {interval_s} s apart, more than half the rate estimator's time constant \
-         of {tau_s} s: choose a longer one by --rate-tau"
-    )]
-    Interval {
-        /// The log.
-        file: String,
-        /// Median time between rows \[s\].
-        interval_s: f64,
-        /// Time constant \[s\].
-        tau_s: f32,
-    },
-    /// The temperature hardly moved.
-    #[error(
-        "the temperature spans {span_c:.1} degC only: expected 10 degC or more, or the bias of \
-         other temperatures would be invented"
-    )]
-    Span {
-        /// Span of the usable rows \[degC\].
-        span_c: f32,
-    },
-    /// A segment without enough data.
-    #[error(
-        "segment {segment} degC {reason}; the data spans {t_min_c:.1} to {t_max_c:.1} degC: \
-         choose other segments by --segments"
-    )]
-    Segment {
-        /// The segment.
-        segment: Segment,
-        /// What is wrong.
-        reason: String,
-        /// Lowest usable temperature \[degC\].
-        t_min_c: f32,
-        /// Highest usable temperature \[degC\].
-        t_max_c: f32,
-    },
-    /// Segments that cannot be used.
-    #[error(transparent)]
-    Segments(#[from] SegmentError),
-    /// Settings that the core refuses.
-    #[error("{0}")]
-    Settings(TableError),
-    /// The finished set cannot be applied.
-    #[error(transparent)]
-    Apply(#[from] ApplyError),
 }

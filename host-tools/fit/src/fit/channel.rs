@@ -1,0 +1,86 @@
+//! The fit of a channel, whatever its model, and how it becomes a part of the set.
+
+use tempco::ThermalSettings;
+
+use crate::assemble::{self, Fitted};
+use crate::joint::{HeldOutErrors, Selection};
+use crate::model::Polynomial;
+use crate::regress::ChannelData;
+use crate::screen::Screening;
+use crate::segment::{Overlap, Segmentation};
+use crate::set::{AxisSet, ChannelSet, CoefficientSigmas, NoiseSet, SegmentSet};
+
+/// A fitted channel before its table is made.
+pub(crate) struct ChannelFit {
+    /// Settings of the thermal path; rate limits and reference temperature are not set yet.
+    pub(crate) thermal: ThermalSettings,
+    /// Range of effective temperatures that was measured and is modelled \[degC\].
+    pub(crate) calibrated_c: (f32, f32),
+    /// Range of rates that was measured \[degC/min\].
+    pub(crate) rates: (f32, f32),
+    pub(crate) segmentation: Segmentation,
+    pub(crate) overlap: Overlap,
+    pub(crate) segments: Vec<SegmentSet>,
+    /// By axis and segment.
+    pub(crate) polynomials: Vec<Vec<Polynomial>>,
+    /// By axis and segment.
+    pub(crate) sigmas: Vec<Vec<CoefficientSigmas>>,
+    /// By axis, where `sigmas` account for it.
+    pub(crate) noises: Vec<Option<NoiseSet>>,
+}
+
+/// What was found on the way to a fit.
+pub(crate) struct Findings {
+    pub(crate) screening: Screening,
+    pub(crate) selection: Option<Selection>,
+    /// By axis.
+    pub(crate) held_out: Vec<HeldOutErrors>,
+}
+
+impl ChannelFit {
+    /// Makes the table.
+    pub(crate) fn into_set(self, data: &ChannelData, findings: Findings) -> ChannelSet {
+        let reference_c = match self.calibrated_c {
+            (low, high) if (low..=high).contains(&25.0) => 25.0,
+            (low, high) => 0.5 * (low + high),
+        };
+        let thermal = ThermalSettings {
+            rate_min_c_per_min: self.rates.0.min(0.0),
+            rate_max_c_per_min: self.rates.1.max(0.0),
+            reference_c,
+            ..self.thermal
+        };
+        let channel = &data.logs[0].channels[data.channel];
+        let fitted = Fitted {
+            temperature: channel.column.clone(),
+            segments: self.segments,
+            axes: channel
+                .axes
+                .iter()
+                .zip(self.polynomials)
+                .zip(self.sigmas.into_iter().zip(self.noises))
+                .zip(findings.held_out)
+                .map(
+                    |(((axis, polynomials), (sigmas, noise)), held_out)| AxisSet {
+                        name: axis.name.clone(),
+                        unit: axis.unit,
+                        polynomials,
+                        sigmas,
+                        noise,
+                        held_out: Some(held_out),
+                        statistics: None,
+                    },
+                )
+                .collect(),
+            screening: Some(findings.screening),
+            selection: findings.selection,
+        };
+        assemble::channel(
+            fitted,
+            &self.segmentation,
+            self.overlap,
+            thermal,
+            self.calibrated_c,
+        )
+    }
+}

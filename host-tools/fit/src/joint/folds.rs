@@ -1,0 +1,123 @@
+//! What is left out together: whole soaks and ramps.
+
+use crate::joint::blocks::Blocks;
+
+/// Rates below this are a soak, whatever the sensor's noise makes of them \[degC/min\].
+const SOAK_C_PER_MIN: f64 = 0.1;
+
+/// A soak or ramp shorter than this belongs to the one before it \[s\].
+const LEAST_LEG_S: f64 = 600.0;
+
+/// The most folds; with more legs, every so-many-th leg goes into the same fold.
+const MOST_FOLDS: usize = 16;
+
+/// With fewer legs than this, time is cut into [`MOST_FOLDS`] equal parts instead, and nothing that
+/// depends on the rate can be judged: no temperature was passed twice at two rates.
+pub(crate) const LEAST_FOLDS: usize = 4;
+
+/// For each block the fold in which it is left out, and the number of folds.
+///
+/// A leg is a stretch of a log that heats, cools or soaks throughout, judged by `rates`
+/// \[degC/min\]. Each log is divided by itself, so that the order of logs does not matter.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Folds {
+    pub(crate) of_block: Vec<usize>,
+    pub(crate) count: usize,
+    /// Soaks and ramps found in all logs.
+    pub(crate) legs: usize,
+}
+
+impl Folds {
+    pub(crate) fn new(blocks: &Blocks, rates: &[f64]) -> Self {
+        let mut legs = Vec::with_capacity(rates.len());
+        let mut total = 0;
+        let mut most = 0;
+        for log in 0..blocks.logs() {
+            let of_log: Vec<usize> = (0..rates.len())
+                .filter(|&i| blocks.blocks[i].log == log)
+                .collect();
+            let Some(&first) = of_log.first() else {
+                continue;
+            };
+            let times: Vec<f64> = of_log.iter().map(|&i| blocks.blocks[i].time_s).collect();
+            let mut found = legs_of(&times, &rates[first..first + of_log.len()]);
+            let mut count = found.last().map_or(0, |last| last + 1);
+            total += count;
+            if count < LEAST_FOLDS && blocks.logs() < LEAST_FOLDS {
+                let n = found.len();
+                found = (0..n).map(|i| i * MOST_FOLDS / n).collect();
+                count = MOST_FOLDS;
+            }
+            most = most.max(count);
+            legs.extend(found);
+        }
+        let count = most.clamp(1, MOST_FOLDS);
+        Self {
+            of_block: legs.into_iter().map(|leg| leg % count).collect(),
+            count,
+            legs: total,
+        }
+    }
+}
+
+/// Numbers the legs of one log.
+fn legs_of(times_s: &[f64], rates: &[f64]) -> Vec<usize> {
+    let kind = |rate: f64| {
+        if rate.abs() < SOAK_C_PER_MIN {
+            0
+        } else {
+            rate.signum() as i32
+        }
+    };
+    // Stretches of one kind, then the short ones joined to what is before them.
+    let mut starts: Vec<(usize, i32)> = Vec::new();
+    for (i, &rate) in rates.iter().enumerate() {
+        if starts.last().is_none_or(|&(_, of)| of != kind(rate)) {
+            starts.push((i, kind(rate)));
+        }
+    }
+    let end_s = times_s[times_s.len() - 1];
+    let mut kept: Vec<(usize, i32)> = Vec::new();
+    for (number, &(start, of)) in starts.iter().enumerate() {
+        let stop_s = starts
+            .get(number + 1)
+            .map_or(end_s, |&(next, _)| times_s[next]);
+        let short = stop_s - times_s[start] < LEAST_LEG_S;
+        if kept
+            .last()
+            .is_none_or(|&(_, before)| !short && before != of)
+        {
+            kept.push((start, of));
+        }
+    }
+    let mut legs = vec![0; rates.len()];
+    for (number, &(start, _)) in kept.iter().enumerate() {
+        legs[start..].fill(number);
+    }
+    legs
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ramps_and_soaks_are_legs_and_short_ones_are_not() {
+        let rates = [
+            (0.0, 100),
+            (1.0, 200),
+            (0.02, 30),
+            (1.0, 50),
+            (-0.5, 300),
+            (0.0, 80),
+        ];
+        let rates: Vec<f64> = rates
+            .iter()
+            .flat_map(|&(rate, count)| std::iter::repeat_n(rate, count))
+            .collect();
+        let times: Vec<f64> = (0..rates.len()).map(|i| 10.0 * i as f64).collect();
+        let legs = legs_of(&times, &rates);
+        let at = [0, 99, 100, 310, 379, 380, 679, 680].map(|i| legs[i]);
+        assert_eq!(at, [0, 0, 1, 1, 1, 2, 2, 3]);
+    }
+}

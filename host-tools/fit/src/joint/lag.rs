@@ -1,0 +1,278 @@
+//! The lag shift: the filter's time constant and kappa, by variable projection.
+
+use tempco::{TableError, ThermalSettings};
+
+use crate::joint::basis::{Basis, SparseRow};
+use crate::joint::blocks::Blocks;
+use crate::joint::folds::Folds;
+use crate::joint::gram::Gram;
+use crate::regress::ChannelData;
+
+/// Shifts that are tried.
+pub(crate) const KAPPA_RANGE: (f64, f64) = (0.0, 1.3);
+
+/// Time constants that are tried \[s\].
+pub(crate) const TAU_RANGE_S: (f64, f64) = (30.0, 2400.0);
+
+/// Time constants of the first pass; neighbours are a factor of 1.44 apart.
+const GRID: usize = 13;
+
+/// Parabolas through the three best shifts while time constants are compared, and at the end.
+const KAPPA_STEPS: (usize, usize) = (1, 6);
+
+/// The same for log tau, between the neighbours of the best grid point.
+const TAU_STEPS: usize = 3;
+
+/// A time constant with its shift.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Lag {
+    pub(crate) tau_s: f64,
+    pub(crate) kappa: f64,
+}
+
+/// What the caller has fixed.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct FixedLag {
+    pub(crate) tau_s: Option<f64>,
+    pub(crate) kappa: Option<f64>,
+}
+
+/// Temperatures and rates of the blocks at one time constant.
+#[derive(Clone, Debug)]
+pub(crate) struct Regressors<'a> {
+    temp_c: &'a [f64],
+    rates: Vec<f64>,
+    tau_s: f64,
+}
+
+impl<'a> Regressors<'a> {
+    pub(crate) fn new(
+        blocks: &'a Blocks,
+        data: &ChannelData,
+        settings: &ThermalSettings,
+        tau_s: f64,
+    ) -> Result<Self, TableError> {
+        Ok(Self {
+            temp_c: &blocks.temp_c,
+            rates: blocks.rates(data, settings, tau_s)?,
+            tau_s,
+        })
+    }
+
+    pub(crate) fn tau_s(&self) -> f64 {
+        self.tau_s
+    }
+
+    pub(crate) fn rates(&self) -> &[f64] {
+        &self.rates
+    }
+
+    /// Effective temperature of a block: linear in kappa, as in the core.
+    pub(crate) fn effective_c(&self, block: usize, kappa: f64) -> f64 {
+        self.temp_c[block] - kappa * self.tau_s / 60.0 * self.rates[block]
+    }
+
+    /// Lowest and highest effective temperature.
+    pub(crate) fn range_c(&self, kappa: f64) -> (f64, f64) {
+        let count = self.rates.len();
+        let temps: Vec<f64> = (0..count).map(|i| self.effective_c(i, kappa)).collect();
+        Blocks::range(&temps)
+    }
+
+    /// The normal equations of each fold.
+    pub(crate) fn grams(
+        &self,
+        blocks: &Blocks,
+        folds: &Folds,
+        basis: &Basis,
+        kappa: f64,
+    ) -> Vec<Gram> {
+        let mut grams = vec![Gram::new(basis.columns(), blocks.axes()); folds.count];
+        let mut row = SparseRow::new();
+        for (i, block) in blocks.blocks.iter().enumerate() {
+            basis.row(
+                block.log,
+                self.effective_c(i, kappa),
+                self.rates[i],
+                &mut row,
+            );
+            grams[folds.of_block[i]].push(&row, blocks.observations(i), block.weight);
+        }
+        grams
+    }
+}
+
+/// Sum over the axes of the logarithm of the mean squared residual: independent of the units, and
+/// the likelihood of axes with noise of their own.
+pub(crate) fn log_likelihood(whole: &Gram, axes: usize) -> f64 {
+    let Some(solution) = whole.solve() else {
+        return f64::INFINITY;
+    };
+    (0..axes)
+        .map(|axis| {
+            let residual = whole.residual(axis, &solution[axis]) / whole.weight();
+            residual.max(f64::MIN_POSITIVE).ln()
+        })
+        .sum()
+}
+
+/// What a search found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Found {
+    pub(crate) best: Lag,
+    /// The best of those without shift; `best` where the shift is given.
+    pub(crate) unshifted: Lag,
+}
+
+/// Searches tau and kappa of least residual; the coefficients are eliminated at every step.
+///
+/// `layout` makes the basis over a range of effective temperatures.
+pub(crate) fn search(
+    data: &ChannelData,
+    blocks: &Blocks,
+    settings: &ThermalSettings,
+    fixed: FixedLag,
+    layout: &dyn Fn((f64, f64)) -> Basis,
+) -> Result<Found, TableError> {
+    let whole = Folds {
+        of_block: vec![0; blocks.blocks.len()],
+        count: 1,
+        legs: 1,
+    };
+    // Cost without shift, and with the best one.
+    let costs_at = |tau_s: f64, steps: usize| -> Result<(f64, Lowest), TableError> {
+        let regressors = Regressors::new(blocks, data, settings, tau_s)?;
+        let cost = |kappa: f64| {
+            let basis = layout(regressors.range_c(kappa));
+            let grams = regressors.grams(blocks, &whole, &basis, kappa);
+            log_likelihood(&grams[0], blocks.axes())
+        };
+        if let Some(kappa) = fixed.kappa {
+            let at = cost(kappa);
+            return Ok((
+                at,
+                Lowest {
+                    x: kappa,
+                    value: at,
+                },
+            ));
+        }
+        let mut unshifted = f64::INFINITY;
+        let lowest = lowest(KAPPA_RANGE, steps, |kappa| {
+            let at = cost(kappa);
+            if kappa == 0.0 {
+                unshifted = at;
+            }
+            Ok(at)
+        })?;
+        Ok((unshifted, lowest))
+    };
+    let finest = |tau_s: f64| -> Result<Lag, TableError> {
+        let (_, lowest) = costs_at(tau_s, KAPPA_STEPS.1)?;
+        Ok(Lag {
+            tau_s,
+            kappa: lowest.x,
+        })
+    };
+    let without = |tau_s: f64| Lag {
+        tau_s,
+        kappa: fixed.kappa.unwrap_or(0.0),
+    };
+    if let Some(tau_s) = fixed.tau_s {
+        return Ok(Found {
+            best: finest(tau_s)?,
+            unshifted: without(tau_s),
+        });
+    }
+    // A filter must see several rows per time constant.
+    let intervals = data.logs.iter().map(|log| log.interval_s);
+    let (low, high) = TAU_RANGE_S;
+    let low = (4.0 * intervals.fold(0.0, f64::max)).clamp(low, high);
+    let tau_at = |x: f64| low * (high / low).powf(x);
+    let step = 1.0 / (GRID - 1) as f64;
+    let mut least = [(f64::INFINITY, 0.0); 2];
+    for x in (0..GRID).map(|i| i as f64 * step) {
+        let (unshifted, shifted) = costs_at(tau_at(x), KAPPA_STEPS.0)?;
+        for (least, cost) in least.iter_mut().zip([unshifted, shifted.value]) {
+            if cost < least.0 {
+                *least = (cost, x);
+            }
+        }
+    }
+    let [(_, unshifted), (_, x)] = least;
+    let around = ((x - step).max(0.0), (x + step).min(1.0));
+    let best = lowest(around, TAU_STEPS, |x| {
+        Ok(costs_at(tau_at(x), KAPPA_STEPS.0)?.1.value)
+    })?;
+    Ok(Found {
+        best: finest(tau_at(best.x))?,
+        unshifted: without(tau_at(unshifted)),
+    })
+}
+
+/// Where a function is lowest, and its value there.
+#[derive(Clone, Copy, Debug)]
+struct Lowest {
+    x: f64,
+    value: f64,
+}
+
+/// Looks for the lowest place of a smooth function by parabolas: both ends and the middle first,
+/// then `steps` times the lowest place of the parabola through the best place and its neighbours.
+fn lowest(
+    (low, high): (f64, f64),
+    steps: usize,
+    mut cost: impl FnMut(f64) -> Result<f64, TableError>,
+) -> Result<Lowest, TableError> {
+    let mut tried: Vec<(f64, f64)> = Vec::new();
+    for x in [low, 0.5 * (low + high), high] {
+        tried.push((x, cost(x)?));
+    }
+    for _ in 0..steps {
+        let best = position_of_lowest(&tried).clamp(1, tried.len() - 2);
+        let [(x0, y0), (x1, y1), (x2, y2)] = [tried[best - 1], tried[best], tried[best + 1]];
+        let (before, after) = ((x1 - x0) * (y1 - y2), (x1 - x2) * (y1 - y0));
+        let vertex = x1 - 0.5 * ((x1 - x0) * before - (x1 - x2) * after) / (before - after);
+        // Where the vertex tells nothing new, the middle of the wider side does.
+        let apart = 0.01 * (x2 - x0);
+        let near = |x: f64| [x0, x1, x2].iter().any(|known| (x - known).abs() < apart);
+        let middle = if x1 - x0 > x2 - x1 {
+            0.5 * (x0 + x1)
+        } else {
+            0.5 * (x1 + x2)
+        };
+        let inside = vertex > x0 && vertex < x2;
+        let x = if inside && !near(vertex) {
+            vertex
+        } else {
+            middle
+        };
+        let at = tried.partition_point(|&(known, _)| known < x);
+        tried.insert(at, (x, cost(x)?));
+    }
+    let (x, value) = tried[position_of_lowest(&tried)];
+    Ok(Lowest { x, value })
+}
+
+fn position_of_lowest(tried: &[(f64, f64)]) -> usize {
+    let values = tried.iter().enumerate();
+    values
+        .min_by(|(_, a), (_, b)| a.1.total_cmp(&b.1))
+        .map_or(0, |(position, _)| position)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parabolas_find_a_minimum_inside_and_at_the_ends() {
+        for (minimum, expected) in [(0.7, 0.7), (-1.0, 0.0), (3.0, 1.3)] {
+            let found = lowest(KAPPA_RANGE, 6, |x| {
+                Ok((x - minimum).powi(2) + 0.3 * (x - minimum).powi(4))
+            });
+            let x = found.unwrap().x;
+            assert!((x - expected).abs() < 0.02, "{x} for {minimum}");
+        }
+    }
+}

@@ -1,0 +1,24 @@
+//! The spline model: one least squares over the whole range, and the choice among models.
+
+mod basis;
+mod blocks;
+mod covariance;
+mod crossval;
+mod fit;
+mod folds;
+mod gram;
+mod lag;
+mod layout;
+#[cfg(test)]
+mod reference;
+mod select;
+mod solve;
+
+pub(crate) use basis::{Basis, RateForm, SparseRow, dot};
+pub(crate) use blocks::Blocks;
+pub(crate) use fit::fit;
+pub(crate) use gram::Gram;
+pub(crate) use lag::FixedLag;
+pub use layout::Place;
+pub use select::{Candidate, HeldOutErrors, Selection};
+pub(crate) use select::{Choice, Chosen, Question};

@@ -1,0 +1,431 @@
+//! Chooses the model by what it does on soaks and ramps it was not fitted to.
+
+use serde::{Deserialize, Serialize};
+use tempco::{TableError, ThermalSettings};
+
+use crate::joint::basis::{RateForm, SparseRow};
+use crate::joint::blocks::Blocks;
+use crate::joint::crossval::HeldOut;
+use crate::joint::folds::{Folds, LEAST_FOLDS};
+use crate::joint::lag::{FixedLag, Lag, Regressors, search};
+use crate::joint::layout::{Layout, MOST_SEGMENTS, Place};
+use crate::regress::ChannelData;
+use crate::rfactor::RFactor;
+use crate::segment::{Overlap, Segmentation};
+use crate::set::Model;
+use crate::solve::{LEAST_SHARE, SENSOR_NOISE_C};
+
+/// Segments of the basis with which the lag is searched.
+const SEARCH_SEGMENTS: usize = 8;
+
+/// The narrowest segment that is tried \[degC\].
+const LEAST_WIDTH_C: f64 = 4.0;
+
+/// A model as it stood to choice.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Candidate {
+    /// Form of the model.
+    pub model: Model,
+    /// Number of segments.
+    pub segments: usize,
+    /// Where the breakpoints are.
+    pub place: Place,
+    /// Coefficients of the rate terms of an axis, 0 where there are none.
+    pub rate_columns: usize,
+    /// Free coefficients of an axis.
+    pub columns: usize,
+    /// Time constant of the rate estimator \[s\].
+    pub tau_s: f64,
+    /// Shift of the effective temperature.
+    pub kappa: f64,
+    /// Held-out root mean square error of each axis \[unit of the axis\].
+    pub rmse: Vec<f64>,
+    /// How much larger the held-out mean square is than that of the best candidate, as a share,
+    /// mean of the axes.
+    pub excess: f64,
+    /// Standard error of `excess`.
+    pub excess_sigma: f64,
+}
+
+/// The choice among models.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Selection {
+    /// Soaks and ramps found in the logs.
+    pub legs: usize,
+    /// Parts in which they were left out.
+    pub folds: usize,
+    /// The chosen model.
+    pub chosen: Candidate,
+    /// The others, best first.
+    pub others: Vec<Candidate>,
+}
+
+/// Root mean square errors of blocks of ten seconds that were left out of the fit, by whole soaks
+/// and ramps \[unit of the axis\]. They contain the noise of the blocks. None where what remained
+/// could not be fitted.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct HeldOutErrors {
+    /// Soaks and ramps found in the logs.
+    pub legs: usize,
+    /// Parts in which they were left out.
+    pub folds: usize,
+    /// Without compensation.
+    pub none: f64,
+    /// One cubic in T.
+    pub cubic: Option<f64>,
+    /// The static model of the paper.
+    #[serde(rename = "static")]
+    pub static_model: Option<f64>,
+    /// The composite model of the paper.
+    pub composite: Option<f64>,
+    /// The fitted model.
+    pub chosen: Option<f64>,
+}
+
+/// The model that was fitted.
+pub(crate) enum Chosen {
+    /// One of the paper's.
+    Model(Model),
+    /// Another one, with its errors.
+    HeldOut(HeldOut),
+}
+
+/// What is to be fitted in the end.
+#[derive(Clone, Debug)]
+pub(crate) enum Choice {
+    Segments {
+        model: Model,
+        segmentation: Segmentation,
+    },
+    Spline {
+        layout: Layout,
+        rate: RateForm,
+        lag: Lag,
+        /// For each axis, whether its rate terms help.
+        with_rate: Vec<bool>,
+    },
+}
+
+/// What may be chosen from.
+pub(crate) struct Question<'a> {
+    pub(crate) data: &'a ChannelData<'a>,
+    pub(crate) blocks: &'a Blocks,
+    pub(crate) settings: ThermalSettings,
+    pub(crate) fixed: FixedLag,
+    pub(crate) segments: Option<&'a Segmentation>,
+    pub(crate) overlap: Overlap,
+    /// Whether static and composite model compete.
+    pub(crate) all_models: bool,
+}
+
+struct Tried {
+    candidate: Candidate,
+    held_out: HeldOut,
+    choice: Choice,
+}
+
+impl Question<'_> {
+    /// Tries all candidates and takes the simplest within one standard error of the best.
+    pub(crate) fn answer(&self) -> Result<(Choice, Selection, HeldOut), TableError> {
+        let base = self.base()?;
+        let folds = Folds::new(self.blocks, base.rates());
+        let mut tried = Vec::new();
+        if self.all_models {
+            self.try_segments(&base, &folds, &mut tried);
+        }
+        self.try_splines(&base, &folds, &mut tried)?;
+        let all_axes: Vec<usize> = (0..self.blocks.axes()).collect();
+        let best = tried
+            .iter()
+            .min_by(|a, b| a.held_out.score().total_cmp(&b.held_out.score()))
+            .map(|best| best.held_out.clone())
+            .expect("a spline of one segment can always be tried");
+        for of in &mut tried {
+            (of.candidate.excess, of.candidate.excess_sigma) = of.held_out.excess(&best, &all_axes);
+        }
+        tried.sort_by(|a, b| a.candidate.excess.total_cmp(&b.candidate.excess));
+        let chosen = tried
+            .iter()
+            .enumerate()
+            .filter(|(_, t)| t.candidate.excess <= t.candidate.excess_sigma)
+            .min_by_key(|(_, t)| t.candidate.columns)
+            .map_or(0, |(position, _)| position);
+        let mut chosen = tried.remove(chosen);
+        self.drop_rates_that_do_not_help(&folds, &mut chosen)?;
+        let selection = Selection {
+            legs: folds.legs,
+            folds: folds.count,
+            chosen: chosen.candidate,
+            others: tried.into_iter().map(|of| of.candidate).collect(),
+        };
+        Ok((chosen.choice, selection, chosen.held_out))
+    }
+
+    fn base(&self) -> Result<Regressors<'_>, TableError> {
+        self.regressors(self.settings.tau_s.into())
+    }
+
+    /// Held-out errors of what a fit is to be compared with, and of the `chosen` one.
+    pub(crate) fn comparison(
+        &self,
+        segmentation: &Segmentation,
+        chosen: Chosen,
+    ) -> Result<Vec<HeldOutErrors>, TableError> {
+        let base = self.base()?;
+        let folds = Folds::new(self.blocks, base.rates());
+        let segments = |model: Model| {
+            let form = (self.settings.kappa.into(), model.terms());
+            HeldOut::segments(self.blocks, &folds, &base, form, segmentation, self.overlap)
+        };
+        let none = HeldOut::none(self.blocks, &folds);
+        let cubic = HeldOut::cubic(self.blocks, &folds);
+        let fixed = segments(Model::Static);
+        let composite = segments(Model::Composite);
+        let chosen = match chosen {
+            Chosen::HeldOut(held_out) => Some(held_out),
+            Chosen::Model(Model::Static) => fixed.clone(),
+            Chosen::Model(_) => composite.clone(),
+        };
+        let rmse = |held_out: &Option<HeldOut>, axis: usize| {
+            let held_out = held_out.as_ref()?;
+            Some(held_out.mean_square(axis).sqrt())
+        };
+        let of_axis = |axis: usize| HeldOutErrors {
+            legs: folds.legs,
+            folds: folds.count,
+            none: none.mean_square(axis).sqrt(),
+            cubic: rmse(&cubic, axis),
+            static_model: rmse(&fixed, axis),
+            composite: rmse(&composite, axis),
+            chosen: rmse(&chosen, axis),
+        };
+        Ok((0..self.blocks.axes()).map(of_axis).collect())
+    }
+
+    fn regressors(&self, tau_s: f64) -> Result<Regressors<'_>, TableError> {
+        Regressors::new(self.blocks, self.data, &self.settings, tau_s)
+    }
+
+    /// An axis keeps its rate terms only if they lower its held-out error by more than one
+    /// standard error.
+    fn drop_rates_that_do_not_help(
+        &self,
+        folds: &Folds,
+        chosen: &mut Tried,
+    ) -> Result<(), TableError> {
+        let Choice::Spline {
+            layout,
+            rate,
+            lag,
+            with_rate,
+        } = &mut chosen.choice
+        else {
+            return Ok(());
+        };
+        if *rate == RateForm::None {
+            return Ok(());
+        }
+        let regressors = self.regressors(lag.tau_s)?;
+        let mut sorted_c = self.blocks.temp_c.clone();
+        sorted_c.sort_by(f64::total_cmp);
+        let range_c = regressors.range_c(lag.kappa);
+        let logs = self.blocks.logs();
+        let held_out = layout
+            .basis(range_c, &sorted_c, RateForm::None, logs)
+            .and_then(|basis| HeldOut::spline(self.blocks, folds, &regressors, lag.kappa, &basis));
+        let Some(without) = held_out else {
+            return Ok(());
+        };
+        for (axis, with_rate) in with_rate.iter_mut().enumerate() {
+            let (excess, sigma) = without.excess(&chosen.held_out, &[axis]);
+            *with_rate = excess > sigma;
+            if !*with_rate {
+                chosen.held_out.squares[axis].clone_from(&without.squares[axis]);
+                chosen.candidate.rmse[axis] = without.mean_square(axis).sqrt();
+            }
+        }
+        Ok(())
+    }
+
+    fn try_segments(&self, base: &Regressors, folds: &Folds, tried: &mut Vec<Tried>) {
+        let range_c = base.range_c(self.settings.kappa.into());
+        let divisions: Vec<Segmentation> = match self.segments {
+            Some(given) => vec![given.clone()],
+            None => (1..=4)
+                .filter_map(|count| Segmentation::of(count, range_c.0, range_c.1).ok())
+                .collect(),
+        };
+        for segmentation in divisions {
+            for model in [Model::Static, Model::Composite] {
+                if model == Model::Composite && folds.legs < LEAST_FOLDS {
+                    continue;
+                }
+                let kappa = f64::from(self.settings.kappa);
+                let held_out = HeldOut::segments(
+                    self.blocks,
+                    folds,
+                    base,
+                    (kappa, model.terms()),
+                    &segmentation,
+                    self.overlap,
+                );
+                let Some(held_out) = held_out else { continue };
+                let segments = segmentation.segments().len();
+                let place = match self.segments {
+                    Some(_) => Place::Given,
+                    None => Place::Uniform,
+                };
+                let columns = segments * model.terms();
+                let rate_columns = segments * (model.terms() - 3);
+                let lag = Lag {
+                    tau_s: base.tau_s(),
+                    kappa,
+                };
+                tried.push(Tried {
+                    candidate: candidate(
+                        model,
+                        segments,
+                        place,
+                        (columns, rate_columns),
+                        lag,
+                        &held_out,
+                    ),
+                    held_out,
+                    choice: Choice::Segments {
+                        model,
+                        segmentation: segmentation.clone(),
+                    },
+                });
+            }
+        }
+    }
+
+    fn try_splines(
+        &self,
+        base: &Regressors,
+        folds: &Folds,
+        tried: &mut Vec<Tried>,
+    ) -> Result<(), TableError> {
+        let mut sorted_c = self.blocks.temp_c.clone();
+        sorted_c.sort_by(f64::total_cmp);
+        let logs = self.blocks.logs();
+        let (low, high) = base.range_c(0.0);
+        let most = (((high - low) / LEAST_WIDTH_C) as usize).clamp(1, MOST_SEGMENTS);
+        let start = Layout::uniform(SEARCH_SEGMENTS.min(most));
+        let with_rates =
+            folds.legs >= LEAST_FOLDS && self.rates_can_be_told(base, &start, &sorted_c);
+        let none = Lag {
+            tau_s: base.tau_s(),
+            kappa: self.fixed.kappa.unwrap_or(0.0),
+        };
+        let uniform = (1..=most).map(Layout::uniform);
+        let quantile = (2..=most).map(|segments| Layout::Rule {
+            place: Place::Quantile,
+            segments,
+        });
+        let (uniform, all): (Vec<Layout>, Vec<Layout>) = match self.segments {
+            Some(given) => (vec![Layout::given(given)], vec![Layout::given(given)]),
+            None => (uniform.clone().collect(), uniform.chain(quantile).collect()),
+        };
+        let mut lags = vec![(none, &uniform, vec![RateForm::None])];
+        if with_rates {
+            let basis = |range_c| {
+                start
+                    .basis(range_c, &sorted_c, RateForm::Line, logs)
+                    .expect("uniform breakpoints ascend")
+            };
+            let found = search(self.data, self.blocks, &self.settings, self.fixed, &basis)?;
+            lags.push((found.best, &all, vec![RateForm::Line, RateForm::Hats]));
+            if self.fixed.kappa.is_none() {
+                lags.push((found.unshifted, &uniform, vec![RateForm::Line]));
+            }
+        }
+        for (lag, layouts, forms) in lags {
+            let regressors = self.regressors(lag.tau_s)?;
+            let range_c = regressors.range_c(lag.kappa);
+            for layout in layouts {
+                for &rate in &forms {
+                    let Some(basis) = layout.basis(range_c, &sorted_c, rate, logs) else {
+                        continue;
+                    };
+                    let held_out =
+                        HeldOut::spline(self.blocks, folds, &regressors, lag.kappa, &basis);
+                    let Some(held_out) = held_out else { continue };
+                    let columns = basis.static_columns() + basis.rate_columns();
+                    let columns = (columns, basis.rate_columns());
+                    tried.push(Tried {
+                        candidate: candidate(
+                            Model::Spline,
+                            basis.segments(),
+                            layout.place(),
+                            columns,
+                            lag,
+                            &held_out,
+                        ),
+                        held_out,
+                        choice: Choice::Spline {
+                            layout: layout.clone(),
+                            rate,
+                            lag,
+                            with_rate: vec![rate != RateForm::None; self.blocks.axes()],
+                        },
+                    });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether the rate moves enough by itself, as in the fit of a segment.
+    fn rates_can_be_told(&self, base: &Regressors, layout: &Layout, sorted_c: &[f64]) -> bool {
+        let logs = self.blocks.logs();
+        let Some(basis) = layout.basis(base.range_c(0.0), sorted_c, RateForm::Line, logs) else {
+            return false;
+        };
+        let mut factor = RFactor::new(basis.columns(), 0);
+        let mut row = SparseRow::new();
+        for (i, block) in self.blocks.blocks.iter().enumerate() {
+            basis.row(
+                block.log,
+                base.effective_c(i, 0.0),
+                base.rates()[i],
+                &mut row,
+            );
+            let mut dense = vec![0.0; basis.columns()];
+            for &(column, value) in &row {
+                dense[column] = value;
+            }
+            factor.push(dense);
+        }
+        let rate = factor.independence()[basis.columns_without_rate()];
+        rate.independent >= LEAST_SHARE * rate.whole
+            && rate.independent >= SENSOR_NOISE_C / (base.tau_s() / 60.0)
+    }
+}
+
+fn candidate(
+    model: Model,
+    segments: usize,
+    place: Place,
+    (columns, rate_columns): (usize, usize),
+    lag: Lag,
+    held_out: &HeldOut,
+) -> Candidate {
+    Candidate {
+        model,
+        segments,
+        place,
+        rate_columns,
+        columns,
+        tau_s: lag.tau_s,
+        kappa: lag.kappa,
+        rmse: (0..held_out.squares.len())
+            .map(|axis| held_out.mean_square(axis).sqrt())
+            .collect(),
+        excess: 0.0,
+        excess_sigma: 0.0,
+    }
+}

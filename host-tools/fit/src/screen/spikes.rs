@@ -1,0 +1,79 @@
+//! Rows that are far from their neighbours in time.
+
+use crate::regress::ChannelData;
+use crate::screen::{SIGMA_PER_MAD, median};
+
+/// Rows further from their local median than this many standard deviations are left out: of
+/// normal noise one in 5e8.
+const LIMIT: f64 = 6.0;
+
+/// The local median is over this long \[s\] ...
+const WINDOW_S: f64 = 10.0;
+
+/// ... or over this many rows, if they take longer.
+const WINDOW_ROWS: usize = 11;
+
+/// Standard deviation of white noise over the median distance of neighbours.
+const SIGMA_PER_STEP: f64 = 1.0 / 0.9539;
+
+/// Leaves spikes out, for all axes; returns the number of rows.
+pub(super) fn leave_out(data: &mut ChannelData) -> usize {
+    let mut count = 0;
+    for (log, keep) in data.logs.iter().zip(&mut data.keep) {
+        let rows: Vec<usize> = (0..log.rows()).filter(|&row| keep[row]).collect();
+        let window = WINDOW_ROWS.max((WINDOW_S / log.interval_s) as usize);
+        for axis in &log.channels[data.channel].axes {
+            let values: Vec<f64> = rows.iter().map(|&row| axis.raw[row]).collect();
+            for spike in spikes(&values, window) {
+                count += usize::from(keep[rows[spike]]);
+                keep[rows[spike]] = false;
+            }
+        }
+    }
+    count
+}
+
+/// Positions of spikes. The scale is the larger of two: of the distances from the local medians,
+/// and of the steps between neighbours that differ, which is not below the step of a coarse
+/// output such as whole pulses.
+fn spikes(values: &[f64], window: usize) -> Vec<usize> {
+    let mut distances = Vec::with_capacity(values.len());
+    for part in values.chunks(window) {
+        let level = median(&mut part.to_vec());
+        distances.extend(part.iter().map(|value| (value - level).abs()));
+    }
+    let steps = values.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+    let mut steps: Vec<f64> = steps.filter(|&step| step > 0.0).collect();
+    let spread = SIGMA_PER_MAD * median(&mut distances.clone());
+    let limit = LIMIT * spread.max(SIGMA_PER_STEP * median(&mut steps));
+    let far = distances.iter().enumerate();
+    far.filter(|&(_, &distance)| distance > limit)
+        .map(|(position, _)| position)
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::white;
+
+    #[test]
+    fn spikes_go_and_noise_stays() {
+        let noise = white(1).take(1000).enumerate();
+        let mut values: Vec<f64> = noise.map(|(i, v)| v + 0.01 * i as f64).collect();
+        assert!(spikes(&values, 20).is_empty());
+        values[17] += 30.0;
+        values[500] -= 30.0;
+        assert_eq!(spikes(&values, 20), [17, 500]);
+    }
+
+    /// Few pulses among many intervals without any are the signal.
+    #[test]
+    fn whole_pulses_are_not_spikes() {
+        let values: Vec<f64> = (0..1000)
+            .map(|i| if i % 37 == 0 { 2.0 } else { 0.0 })
+            .collect();
+        assert!(spikes(&values, 20).is_empty());
+        assert!(spikes(&[5.0; 100], 20).is_empty());
+    }
+}

@@ -1,0 +1,197 @@
+//! The applied bias against the truth, on programmes that were not fitted.
+
+mod worlds;
+
+use tempco::ThermalSettings;
+use tempco_fit::apply::apply;
+use tempco_fit::fit::{FitOptions, fit};
+use tempco_fit::segment::Overlap;
+use tempco_fit::set::{CoefficientSet, Model};
+use worlds::{Programme, Random, Run, World, simulate};
+
+const PAPER_SEGMENTS: &str = "-15:15,5:35,25:60,50:80";
+
+fn options(model: Model) -> FitOptions {
+    let paper = matches!(model, Model::Static | Model::Composite);
+    FitOptions {
+        serial: "SIMULATED".to_owned(),
+        model,
+        overlap: Overlap::Smooth,
+        segments: paper.then(|| PAPER_SEGMENTS.parse().unwrap()),
+        thermal: ThermalSettings::DEFAULT,
+        rate_tau_s: None,
+        kappa: None,
+        exclude: Vec::new(),
+        robust: true,
+        scale_factor_arcsec: None,
+        tau_s: 100.0,
+    }
+}
+
+fn fitted(model: Model, run: &Run) -> CoefficientSet {
+    fit(std::slice::from_ref(&run.log), &options(model))
+        .unwrap()
+        .set
+}
+
+/// Root mean square of applied bias less truth \[mdeg/h\], by axis, over `rows`.
+fn errors(set: &CoefficientSet, run: &Run, rows: std::ops::Range<usize>) -> Vec<f64> {
+    let applied = apply(set, &run.log).unwrap();
+    let of_axis = applied.axes.iter().zip(&run.truth);
+    of_axis
+        .map(|(output, truth)| {
+            let pairs = output.bias[rows.clone()].iter().zip(&truth[rows.clone()]);
+            let squares: f64 = pairs.map(|(b, t)| (f64::from(*b) - t).powi(2)).sum();
+            1e3 * (squares / rows.len() as f64).sqrt()
+        })
+        .collect()
+}
+
+fn whole(set: &CoefficientSet, run: &Run) -> Vec<f64> {
+    errors(set, run, 0..run.log.rows())
+}
+
+fn geometric_mean(values: &[f64]) -> f64 {
+    (values.iter().map(|v| v.ln()).sum::<f64>() / values.len() as f64).exp()
+}
+
+/// Ratios of the errors of `model` to the paper's composite, over three units of three axes.
+struct Ratios {
+    mean: f64,
+    worst: f64,
+    first_minutes: f64,
+}
+
+fn ratios(world: World, programme: Programme, model: Model) -> Ratios {
+    let (mut found, mut first) = (Vec::new(), Vec::new());
+    for unit in 1..=3 {
+        let train = simulate(world, programme, unit, 1);
+        let judge = simulate(world, Programme::Verification, unit, 2);
+        let mid_ramp = simulate(world, Programme::MidRamp, unit, 3);
+        let [paper, set] = [Model::Composite, model].map(|model| fitted(model, &train));
+        let (before, after) = (whole(&paper, &judge), whole(&set, &judge));
+        println!(
+            "{}: composite {before:.2?}, {} {after:.2?} mdeg/h",
+            train.log.file,
+            model.name()
+        );
+        for channel in &set.channels {
+            let screening = channel.screening.as_ref().unwrap();
+            assert_eq!((screening.spike_rows, screening.disturbed_rows), (0, 0));
+            assert!(screening.steps.is_empty(), "{:?}", screening.steps);
+            assert!((0..3).all(|axis| channel.table.max_jump(axis) == 0.0));
+        }
+        found.extend(
+            after
+                .iter()
+                .zip(&before)
+                .map(|(after, before)| after / before),
+        );
+        let ten_minutes = |set| errors(set, &mid_ramp, 0..600);
+        first.extend(
+            ten_minutes(&set)
+                .iter()
+                .zip(ten_minutes(&paper))
+                .map(|(a, b)| a / b),
+        );
+    }
+    let ratios = Ratios {
+        mean: geometric_mean(&found),
+        worst: found.iter().copied().fold(0.0, f64::max),
+        first_minutes: geometric_mean(&first),
+    };
+    println!(
+        "{world:?} {programme:?} {}: ratio to the composite {:.3}, worst axis {:.3}; first ten \
+         minutes in mid-ramp {:.3}",
+        model.name(),
+        ratios.mean,
+        ratios.worst,
+        ratios.first_minutes
+    );
+    ratios
+}
+
+#[test]
+fn outside_the_family_the_error_is_less_than_half_of_the_composites() {
+    for model in [Model::Spline, Model::Auto] {
+        let full = ratios(World::Full, Programme::ManyRates, model);
+        assert!(full.mean <= 0.45 && full.worst <= 0.75);
+        let lagged = ratios(World::Lagged, Programme::ManyRates, model);
+        assert!(lagged.mean <= 0.45 && lagged.worst <= 0.80);
+    }
+}
+
+#[test]
+fn a_smooth_unit_with_short_lags_is_limited_by_its_random_walk() {
+    assert!(ratios(World::Smooth, Programme::ManyRates, Model::Spline).mean <= 1.0);
+    assert!(ratios(World::Smooth, Programme::OneRate, Model::Spline).mean <= 1.05);
+}
+
+#[test]
+fn one_rate_does_not_mislead() {
+    assert!(ratios(World::Full, Programme::OneRate, Model::Spline).mean <= 0.8);
+}
+
+#[test]
+fn on_the_papers_own_form_nothing_is_lost() {
+    for model in [Model::Spline, Model::Auto] {
+        assert!(ratios(World::Paper, Programme::ManyRates, model).worst <= 1.05);
+    }
+}
+
+/// One row in a hundred 20 sigma too high, or ten minutes 0.5 deg/h too high.
+#[test]
+fn outliers_and_a_glitch_hardly_show() {
+    let clean = simulate(World::Full, Programme::ManyRates, 1, 1);
+    let judge = simulate(World::Full, Programme::Verification, 1, 2);
+    let mut random = Random::new(77);
+    let mut spiky = simulate(World::Full, Programme::ManyRates, 1, 1);
+    let mut disturbed = simulate(World::Full, Programme::ManyRates, 1, 1);
+    for axis in &mut spiky.log.channels[0].axes {
+        for raw in &mut axis.raw {
+            *raw += if random.uniform() < 0.01 {
+                20.0 * 0.06
+            } else {
+                0.0
+            };
+        }
+    }
+    for axis in &mut disturbed.log.channels[0].axes {
+        axis.raw[40_000..40_600]
+            .iter_mut()
+            .for_each(|raw| *raw += 0.5);
+    }
+    for model in [Model::Static, Model::Composite, Model::Spline] {
+        let before = whole(&fitted(model, &clean), &judge);
+        for (name, run, least) in [("spikes", &spiky, 3000), ("glitch", &disturbed, 600)] {
+            let set = fitted(model, run);
+            let screening = set.channels[0].screening.as_ref().unwrap();
+            assert!(
+                screening.spike_rows + screening.disturbed_rows >= least,
+                "{screening:?}"
+            );
+            let after = whole(&set, &judge);
+            println!(
+                "{} {name}: {before:.3?} to {after:.3?} mdeg/h",
+                model.name()
+            );
+            let growth: Vec<f64> = after.iter().zip(&before).map(|(a, b)| a / b).collect();
+            assert!(geometric_mean(&growth) < 1.05, "{growth:?}");
+        }
+    }
+}
+
+#[test]
+fn a_step_of_the_bias_is_reported_with_time_and_size() {
+    let mut run = simulate(World::Full, Programme::ManyRates, 2, 1);
+    run.log.channels[0].axes[1].raw[50_000..]
+        .iter_mut()
+        .for_each(|raw| *raw += 0.05);
+    let set = fitted(Model::Spline, &run);
+    let steps = &set.channels[0].screening.as_ref().unwrap().steps;
+    println!("{steps:?}");
+    assert_eq!(steps.len(), 1);
+    assert_eq!(steps[0].axis, "y");
+    assert!((steps[0].time_s - 50_000.0).abs() < 120.0);
+    assert!((steps[0].size / 0.05 - 1.0).abs() < 0.35);
+}

@@ -1,0 +1,192 @@
+//! What must not change the fit, and what the stated uncertainties are worth.
+
+mod worlds;
+
+use tempco::{Thermal, ThermalSettings};
+use tempco_fit::fit::{FitOptions, fit};
+use tempco_fit::log::Log;
+use tempco_fit::segment::Overlap;
+use tempco_fit::set::{CoefficientSet, Model};
+use tempco_fit::thermal_points;
+use tempco_fit::unit::AxisUnit;
+use worlds::{Programme, Random, World, simulate};
+
+fn options(model: Model) -> FitOptions {
+    FitOptions {
+        serial: "SIMULATED".to_owned(),
+        model,
+        overlap: Overlap::Smooth,
+        segments: None,
+        thermal: ThermalSettings::DEFAULT,
+        rate_tau_s: None,
+        kappa: None,
+        exclude: Vec::new(),
+        robust: true,
+        scale_factor_arcsec: None,
+        tau_s: 100.0,
+    }
+}
+
+/// The largest difference of the coefficients of two sets, as a share of the largest of them.
+fn difference(a: &CoefficientSet, b: &CoefficientSet, scale: f64) -> f64 {
+    let numbers = |set: &CoefficientSet| -> Vec<f64> {
+        let axes = set.channels[0].axes.iter();
+        axes.flat_map(|axis| &axis.polynomials)
+            .flat_map(|p| p.a.into_iter().chain(p.r))
+            .collect()
+    };
+    let (a, b) = (numbers(a), numbers(b));
+    assert_eq!(a.len(), b.len());
+    let largest = a.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+    let pairs = a.iter().zip(&b);
+    pairs
+        .map(|(a, b)| (a - b * scale).abs())
+        .fold(0.0, f64::max)
+        / largest
+}
+
+#[test]
+fn the_order_of_logs_does_not_matter() {
+    let logs = [
+        simulate(World::Full, Programme::Verification, 1, 1).log,
+        simulate(World::Full, Programme::OneRate, 1, 2).log,
+    ];
+    let turned = [logs[1].clone(), logs[0].clone()];
+    for model in [Model::Composite, Model::Spline] {
+        let options = options(model);
+        let [a, b] = [&logs, &turned].map(|logs| fit(logs, &options).unwrap().set);
+        let difference = difference(&a, &b, 1.0);
+        println!("{}: {difference:.1e}", model.name());
+        assert!(difference < 1e-9);
+    }
+}
+
+#[test]
+fn units_do_not_matter() {
+    let dph = simulate(World::Full, Programme::OneRate, 2, 1).log;
+    let mut dps = dph.clone();
+    for axis in &mut dps.channels[0].axes {
+        axis.unit = AxisUnit::Dps;
+        axis.raw.iter_mut().for_each(|raw| *raw /= 3600.0);
+    }
+    for model in [Model::Composite, Model::Auto] {
+        let options = options(model);
+        let [a, b] = [&dph, &dps].map(|log| fit(std::slice::from_ref(log), &options).unwrap().set);
+        let difference = difference(&a, &b, 3600.0);
+        println!("{}: {difference:.1e}", model.name());
+        assert!(difference < 1e-9);
+    }
+}
+
+/// Two turn-on constants 0.2 deg/h apart: the shape is found as with one, and the set's constant
+/// lies in the middle.
+#[test]
+fn the_constant_of_a_log_is_not_taken_for_thermal() {
+    let first = simulate(World::Paper, Programme::OneRate, 1, 1).log;
+    let second = simulate(World::Paper, Programme::Verification, 1, 2).log;
+    let mut moved = second.clone();
+    for axis in &mut moved.channels[0].axes {
+        axis.raw.iter_mut().for_each(|raw| *raw += 0.2);
+    }
+    for model in [Model::Composite, Model::Spline] {
+        let options = options(model);
+        let same = fit(&[first.clone(), second.clone()], &options).unwrap().set;
+        let apart = fit(&[first.clone(), moved.clone()], &options).unwrap().set;
+        for (a, b) in same.channels[0].axes.iter().zip(&apart.channels[0].axes) {
+            for (a, b) in a.polynomials.iter().zip(&b.polynomials) {
+                assert!(
+                    (b.a[0] - a.a[0] - 0.1).abs() < 2e-3,
+                    "{} {}",
+                    a.a[0],
+                    b.a[0]
+                );
+                assert!((b.a[1] - a.a[1]).abs() < 2e-3 && (b.r[0] - a.r[0]).abs() < 2e-3);
+            }
+        }
+        let constants = &apart.channels[0].screening.as_ref().unwrap().constants;
+        assert!(
+            (constants[1][0] - constants[0][0] - 0.2).abs() < 5e-3,
+            "{constants:?}"
+        );
+    }
+}
+
+/// A log of ten-second rows whose bias is a spline of the core's own regressors.
+fn exact(log: &Log, thermal: &ThermalSettings) -> Vec<f64> {
+    let points = thermal_points(log, 0, &Thermal::new(*thermal).unwrap());
+    let bias = points.iter().map(|point| {
+        let (u, rate) = (
+            f64::from(point.effective_c),
+            f64::from(point.rate_c_per_min),
+        );
+        1.0 + 0.02 * u - 3e-4 * u * u + rate * (0.3 + 0.002 * u)
+    });
+    bias.collect()
+}
+
+/// Share of the 95 % intervals of 1,000 fits that hold the true coefficient.
+fn coverage(white: f64, walk: f64) -> f64 {
+    let thermal = ThermalSettings {
+        tau_s: 120.0,
+        kappa: 0.5,
+        rate_min_c_per_min: -50.0,
+        rate_max_c_per_min: 50.0,
+        ..ThermalSettings::DEFAULT
+    };
+    let mut log = simulate(World::Paper, Programme::Verification, 1, 1).log;
+    let channel = &mut log.channels[0];
+    channel.temp_c = channel.temp_c.iter().copied().step_by(10).collect();
+    channel.axes.truncate(1);
+    log.time_s = log.time_s.iter().copied().step_by(10).collect();
+    log.interval_s = 10.0;
+    // Up and down once; a thousand fits of more would take long.
+    log.time_s.truncate(2700);
+    log.channels[0].temp_c.truncate(2700);
+    let truth = exact(&log, &thermal);
+    let options = FitOptions {
+        segments: Some("-13:10,10:40,40:76".parse().unwrap()),
+        rate_tau_s: Some(thermal.tau_s),
+        kappa: Some(thermal.kappa),
+        ..options(Model::Spline)
+    };
+    let mut random = Random::new(9);
+    let (mut inside, mut all) = (0, 0);
+    log.channels[0].axes[0].raw.clone_from(&truth);
+    let expected = fit(std::slice::from_ref(&log), &options).unwrap().set;
+    let expected = &expected.channels[0].axes[0].polynomials;
+    for _ in 0..1000 {
+        let mut state = 0.0;
+        let noisy = truth.iter().map(|bias| {
+            state += walk * random.normal();
+            bias + state + white * random.normal()
+        });
+        log.channels[0].axes[0].raw = noisy.collect();
+        let set = fit(std::slice::from_ref(&log), &options).unwrap().set;
+        let axis = &set.channels[0].axes[0];
+        let found = axis.polynomials.iter().zip(&axis.sigmas).zip(expected);
+        for (number, ((found, sigmas), expected)) in found.enumerate() {
+            let values = found
+                .a
+                .iter()
+                .chain(&found.r)
+                .zip(expected.a.iter().chain(&expected.r));
+            let sigmas = sigmas.a.iter().chain(&sigmas.r);
+            for ((found, expected), sigma) in values.zip(sigmas) {
+                assert!(*sigma > 0.0, "segment {number}");
+                inside += usize::from((found - expected).abs() < 1.959_964 * sigma);
+                all += 1;
+            }
+        }
+    }
+    inside as f64 / f64::from(all)
+}
+
+#[test]
+fn intervals_of_95_percent_cover_the_truth() {
+    let white = coverage(0.02, 0.0);
+    println!("white noise: {:.1} %", 100.0 * white);
+    let walk = coverage(0.02, 0.001);
+    println!("random walk: {:.1} %", 100.0 * walk);
+    assert!((0.93..=0.97).contains(&white));
+    assert!(walk >= 0.90);
+}

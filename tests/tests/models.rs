@@ -1,0 +1,118 @@
+//! Models that the fit chooses, and verdicts, on the command line.
+
+use std::fs;
+
+use tempco_tests::Bench;
+
+fn set(bench: &Bench, folder: &str) -> serde_json::Value {
+    let path = bench.path(&format!("{folder}/coefficients.json"));
+    serde_json::from_str(&fs::read_to_string(path).unwrap()).unwrap()
+}
+
+#[test]
+fn the_spline_is_chosen_by_what_was_left_out_and_says_from_what() {
+    let bench = Bench::new();
+    bench.ok("simulate --unit paper --profile calibration --seed 1 --out cal.csv");
+    bench.ok("simulate --unit paper --profile verification --seed 2 --out ver.csv");
+    for model in ["spline", "auto"] {
+        let fitted = bench.ok(&format!(
+            "fit cal.csv --serial S1 --model {model} --out {model}"
+        ));
+        println!("{fitted}");
+        assert!(fitted.contains("Chosen:"), "{fitted}");
+        assert!(fitted.contains("left out of the fit"), "{fitted}");
+        let set = set(&bench, model);
+        let channel = &set["channels"][0];
+        assert_eq!(channel["selection"]["chosen"]["model"], "spline");
+        assert!(channel["selection"]["others"].as_array().unwrap().len() > 10);
+        assert!(channel["table"]["thermal"]["kappa"].as_f64().unwrap() > 0.2);
+        let json = bench.ok(&format!(
+            "evaluate {model}/coefficients.json ver.csv --json"
+        ));
+        let judged: serde_json::Value = serde_json::from_str(&json).unwrap();
+        for jump in judged["max_boundary_jump"].as_array().unwrap() {
+            assert_eq!(jump, 0.0);
+        }
+    }
+    // Fixed by the user: fitted as given.
+    bench.ok("fit cal.csv --serial S1 --model spline --rate-tau 200 --kappa 0.5 --out fixed");
+    let fixed = set(&bench, "fixed");
+    let thermal = &fixed["channels"][0]["table"]["thermal"];
+    assert_eq!(
+        (&thermal["tau_s"], &thermal["kappa"]),
+        (&200.0.into(), &0.5.into())
+    );
+}
+
+#[test]
+fn excluded_stretches_are_left_out_and_counted() {
+    let bench = Bench::new();
+    bench.ok("simulate --unit paper --profile short --seed 1 --out log.csv");
+    let printed = bench.ok(
+        "fit log.csv --serial S1 --segments 6:45 --out set --exclude 0:99.9 --exclude 200:299.9",
+    );
+    assert!(
+        printed.contains("400 rows left out: in excluded stretches"),
+        "{printed}"
+    );
+    let set = set(&bench, "set");
+    assert_eq!(set["channels"][0]["screening"]["excluded_rows"], 400);
+    let refused = bench.run("fit log.csv --serial S1 --out other --exclude 9:3");
+    assert_eq!(refused.code, 2);
+    assert!(refused.err.contains("T1 before T2"), "{}", refused.err);
+}
+
+/// A verification log that does not follow temperature: the set does harm there.
+#[test]
+fn a_set_that_does_harm_is_marked_as_rejected_on_request_only() {
+    let bench = Bench::new();
+    bench.ok("simulate --unit paper --profile short --seed 1 --out log.csv");
+    bench.ok("fit log.csv --serial S1 --segments 6:45 --out set");
+    let text = fs::read_to_string(bench.path("log.csv")).unwrap();
+    let flat = text.lines().enumerate().map(|(number, line)| {
+        let cells: Vec<&str> = line.split(',').collect();
+        match number {
+            0 => line.to_owned(),
+            // Pulses of a constant rate.
+            _ => format!("{},{},{},0,0", cells[0], cells[1], number % 2),
+        }
+    });
+    let flat: Vec<String> = flat.collect();
+    fs::write(bench.path("flat.csv"), flat.join("\n") + "\n").unwrap();
+    let before = fs::read(bench.path("set/coefficients.json")).unwrap();
+    let judged = bench.run("evaluate set/coefficients.json flat.csv");
+    assert_eq!(judged.code, 1, "{}", judged.err);
+    assert_eq!(
+        fs::read(bench.path("set/coefficients.json")).unwrap(),
+        before
+    );
+
+    let refused = bench.run("evaluate set/coefficients.json log.csv --sign-off");
+    assert_eq!(refused.code, 2);
+    assert!(
+        refused.err.contains("a log it has not seen"),
+        "{}",
+        refused.err
+    );
+
+    let judged = bench.run("evaluate set/coefficients.json flat.csv --sign-off");
+    assert_eq!(judged.code, 1);
+    assert!(judged.err.contains("marked as rejected"), "{}", judged.err);
+    let noted = set(&bench, "set");
+    assert_eq!(noted["sign_offs"][0]["accepted"], false);
+    assert_eq!(noted["sign_offs"][0]["file"], "flat.csv");
+    let inspected = bench.run("inspect set/coefficients.json");
+    assert_eq!(inspected.code, 1);
+    assert!(
+        inspected.out.contains("no better than none on"),
+        "{}",
+        inspected.out
+    );
+    let applied = bench.run("apply set/coefficients.json log.csv --out out.csv");
+    assert_eq!(applied.code, 0);
+    assert!(
+        applied.err.contains("marked as rejected"),
+        "{}",
+        applied.err
+    );
+}
