@@ -2,9 +2,11 @@
 //! to world, and in all but one it is outside every family of models that is fitted.
 #![allow(dead_code, reason = "each test takes what it needs")]
 
+use std::sync::LazyLock;
+
 use tempco_fit::log::{Axis, Channel, Log};
 use tempco_fit::unit::AxisUnit;
-use tempco_twin::StaticCurve;
+use tempco_twin::Unit;
 
 /// Time between rows \[s\].
 const INTERVAL_S: f64 = 1.0;
@@ -200,6 +202,8 @@ fn natures(world: World, random: &mut Random) -> Vec<Nature> {
         .collect()
 }
 
+static PAPER: LazyLock<Unit> = LazyLock::new(|| Unit::named("paper").expect("the unit"));
+
 /// Static bias \[deg/h\] at a temperature \[degC\].
 fn curve(world: World, axis: usize, nature: &Nature, temp_c: f64) -> f64 {
     if world == World::Smooth {
@@ -208,11 +212,11 @@ fn curve(world: World, axis: usize, nature: &Nature, temp_c: f64) -> f64 {
         return scale * (x + 0.5 * x * x - 0.3 * x * x * x);
     }
     let per_pulse = 1.5;
+    let paper = |axis: usize, temp_c| PAPER.axes[axis].static_curve.value(temp_c);
     per_pulse
         * match axis {
-            0 => StaticCurve::paper_x().pulses_per_s(temp_c),
-            1 => StaticCurve::paper_y().pulses_per_s(temp_c),
-            _ if world == World::Paper => StaticCurve::paper_x().pulses_per_s(65.0 - temp_c) * 0.8,
+            0 | 1 => paper(axis, temp_c),
+            _ if world == World::Paper => paper(0, 65.0 - temp_c) * 0.8,
             _ => {
                 let x = (temp_c - 32.5) / 47.5;
                 let wave =
