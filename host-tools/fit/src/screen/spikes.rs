@@ -1,7 +1,7 @@
 //! Rows that are far from their neighbours in time.
 
 use crate::regress::ChannelData;
-use crate::screen::{SIGMA_PER_MAD, median};
+use crate::screen::{SIGMA_PER_MAD, SIGMA_PER_STEP, median};
 
 /// Rows further from their local median than this many standard deviations are left out: of
 /// normal noise one in 5e8.
@@ -12,9 +12,6 @@ const WINDOW_S: f64 = 10.0;
 
 /// ... or over this many rows, if they take longer.
 const WINDOW_ROWS: usize = 11;
-
-/// Standard deviation of white noise over the median distance of neighbours.
-const SIGMA_PER_STEP: f64 = 1.0 / 0.9539;
 
 /// Leaves spikes out, for all axes; returns the number of rows.
 pub(super) fn leave_out(data: &mut ChannelData) -> usize {
