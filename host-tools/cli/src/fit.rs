@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use clap::ValueEnum;
 use tempco::ThermalSettings;
 use tempco_fit::Stretch;
@@ -34,7 +34,7 @@ pub(crate) struct Args {
     /// on soaks and ramps left out of the fit
     #[arg(long, value_enum, default_value = "composite")]
     model: ModelArg,
-    /// What is applied where segments overlap
+    /// What is applied where segments overlap; spline: what `--model spline` does
     #[arg(long, value_enum, default_value = "linear")]
     overlap: OverlapArg,
     /// Segments in degC, such as "-15:15,5:35,25:60,50:80"; without, the measured range is divided
@@ -83,6 +83,7 @@ enum OverlapArg {
     Mean,
     Linear,
     Smooth,
+    Spline,
 }
 
 fn stretch(text: &str) -> Result<Stretch, String> {
@@ -94,6 +95,10 @@ fn stretch(text: &str) -> Result<Stretch, String> {
 }
 
 pub(crate) fn run(args: &Args) -> Result<Verdict> {
+    ensure!(
+        !matches!(args.overlap, OverlapArg::Spline) || matches!(args.model, ModelArg::Spline),
+        "--overlap spline: expected with --model spline only, whose segments are fitted together"
+    );
     let logs = args
         .logs
         .iter()
@@ -113,6 +118,7 @@ pub(crate) fn run(args: &Args) -> Result<Verdict> {
             OverlapArg::Mean => Overlap::Mean,
             OverlapArg::Linear => Overlap::Linear,
             OverlapArg::Smooth => Overlap::Smooth,
+            OverlapArg::Spline => Overlap::Spline,
         },
         segments: args.segments.clone(),
         thermal: ThermalSettings {

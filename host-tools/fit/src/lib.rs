@@ -2,9 +2,9 @@
 //! and judges them.
 //!
 //! ```text
-//! log -> regress (the core) -> solve (per segment) -> assemble -> set -> table.rs, JSON
-//!                                                                  |
-//! log ------------------------------------> apply (the core) <-----+--> metrics
+//! log -> regress (the core) -> screen -+-> solve (per segment) --+-> assemble -> set -> table.rs, JSON
+//!                                      +-> joint (one spline) ---+               |
+//! log ----------------------------------------------------> apply (the core) <---+--> metrics
 //! ```
 //!
 //! Whatever flies is computed by the `tempco` core itself, run over the log: the regressors that

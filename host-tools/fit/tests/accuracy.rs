@@ -195,3 +195,17 @@ fn a_step_of_the_bias_is_reported_with_time_and_size() {
     assert!((steps[0].time_s - 50_000.0).abs() < 120.0);
     assert!((steps[0].size / 0.05 - 1.0).abs() < 0.35);
 }
+
+/// Stated for an optimised build on an idle machine (`cargo test --release`); on a busy one in a
+/// debug build it may take several times as long.
+#[test]
+fn a_fit_of_a_hundred_thousand_rows_takes_a_third_of_a_second() {
+    let run = simulate(World::Full, Programme::ManyRates, 1, 1);
+    for model in [Model::Static, Model::Composite, Model::Spline, Model::Auto] {
+        let clock = std::time::Instant::now();
+        let _ = fitted(model, &run);
+        let time = clock.elapsed();
+        println!("{}: {} rows in {time:.0?}", model.name(), run.log.rows());
+        assert!(time.as_secs_f64() < 3.0);
+    }
+}

@@ -91,62 +91,41 @@ impl HeldOut {
         Self::linear(blocks, folds, &grams)
     }
 
-    /// The static or composite model of overlapping segments, terms that the data cannot carry
-    /// dropped as in the fit.
-    pub(crate) fn segments(
+    /// The models of overlapping segments with some numbers of `terms`, those that the data cannot
+    /// carry dropped as in the fit. None where a segment cannot be fitted.
+    pub(crate) fn segments<const N: usize>(
         blocks: &Blocks,
         folds: &Folds,
         regressors: &Regressors,
-        (kappa, terms): (f64, usize),
+        (kappa, terms): (f64, [usize; N]),
         segmentation: &Segmentation,
         overlap: Overlap,
-    ) -> Option<Self> {
-        let ranges = segmentation.fit_ranges(overlap);
-        let of_segment = segmentation.segments().iter().zip(&ranges);
-        // For each fold, the polynomials by axis and segment.
-        let mut polynomials = vec![vec![Vec::new(); blocks.axes()]; folds.count];
-        for (segment, range) in of_segment {
-            let mut parts = vec![SegmentRows::new(blocks.axes()); folds.count];
-            for i in 0..blocks.blocks.len() {
-                let temp_c = regressors.effective_c(i, kappa);
-                if temp_c >= range.t_min_c && temp_c <= range.t_max_c {
-                    let z = (temp_c - segment.centre_c()) / segment.half_width_c();
-                    let observations = (0..blocks.axes()).map(|axis| blocks.levelled(axis, i));
-                    parts[folds.of_block[i]].push(1.0, z, regressors.rates()[i], observations);
+    ) -> [Option<Self>; N] {
+        let rows = SegmentParts::new(blocks, folds, regressors, kappa, (segmentation, overlap));
+        terms.map(|terms| {
+            let polynomials = rows.polynomials(segmentation, terms, regressors.tau_s())?;
+            let pieces = segmentation.pieces(overlap);
+            let (low, high) = segmentation.range_c();
+            let mut held_out = Self::new(blocks, folds);
+            for (i, block) in blocks.blocks.iter().enumerate() {
+                let fold = folds.of_block[i];
+                let temp_c = regressors.effective_c(i, kappa).clamp(low, high);
+                let piece = pieces
+                    .iter()
+                    .find(|piece| temp_c < piece.to_c)
+                    .unwrap_or(&pieces[pieces.len() - 1]);
+                for (axis, polynomials) in polynomials[fold].iter().enumerate() {
+                    let model = AxisModel {
+                        polynomials,
+                        overlap,
+                    };
+                    let (fixed, per_rate) = model.at(piece, temp_c);
+                    let error = blocks.levelled(axis, i) - fixed - per_rate * regressors.rates()[i];
+                    held_out.squares[axis][fold] += block.weight * error * error;
                 }
             }
-            for (fold, of_fold) in polynomials.iter_mut().enumerate() {
-                let mut rest = SegmentRows::new(blocks.axes());
-                for (_, part) in parts.iter().enumerate().filter(|(other, _)| *other != fold) {
-                    rest.merge(part.clone());
-                }
-                let fit = rest.fit(terms, regressors.tau_s()).ok()?;
-                for (axis, found) in of_fold.iter_mut().zip(&fit.solution.coefficients) {
-                    axis.push(Polynomial::new(segment, found));
-                }
-            }
-        }
-        let pieces = segmentation.pieces(overlap);
-        let (low, high) = segmentation.range_c();
-        let mut held_out = Self::new(blocks, folds);
-        for (i, block) in blocks.blocks.iter().enumerate() {
-            let fold = folds.of_block[i];
-            let temp_c = regressors.effective_c(i, kappa).clamp(low, high);
-            let piece = pieces
-                .iter()
-                .find(|piece| temp_c < piece.to_c)
-                .unwrap_or(&pieces[pieces.len() - 1]);
-            for (axis, polynomials) in polynomials[fold].iter().enumerate() {
-                let model = AxisModel {
-                    polynomials,
-                    overlap,
-                };
-                let (fixed, per_rate) = model.at(piece, temp_c);
-                let error = blocks.levelled(axis, i) - fixed - per_rate * regressors.rates()[i];
-                held_out.squares[axis][fold] += block.weight * error * error;
-            }
-        }
-        Some(held_out)
+            Some(held_out)
+        })
     }
 
     fn weight(&self) -> f64 {
@@ -183,5 +162,61 @@ impl HeldOut {
         let mean = total / count;
         let squares: f64 = differences.iter().map(|d| (d - mean).powi(2)).sum();
         (total, (squares * count / (count - 1.0).max(1.0)).sqrt())
+    }
+}
+
+/// The rows of overlapping segments, by segment and left-out fold.
+struct SegmentParts(Vec<Vec<SegmentRows>>);
+
+impl SegmentParts {
+    fn new(
+        blocks: &Blocks,
+        folds: &Folds,
+        regressors: &Regressors,
+        kappa: f64,
+        (segmentation, overlap): (&Segmentation, Overlap),
+    ) -> Self {
+        let ranges = segmentation.fit_ranges(overlap);
+        let of_segment = segmentation.segments().iter().zip(&ranges);
+        let without_each = of_segment.map(|(segment, range)| {
+            let mut parts = vec![SegmentRows::new(blocks.axes()); folds.count];
+            for i in 0..blocks.blocks.len() {
+                let temp_c = regressors.effective_c(i, kappa);
+                if temp_c >= range.t_min_c && temp_c <= range.t_max_c {
+                    let z = (temp_c - segment.centre_c()) / segment.half_width_c();
+                    let observations = (0..blocks.axes()).map(|axis| blocks.levelled(axis, i));
+                    parts[folds.of_block[i]].push(1.0, z, regressors.rates()[i], observations);
+                }
+            }
+            let without = |fold: usize| {
+                let mut rest = SegmentRows::new(blocks.axes());
+                for (_, part) in parts.iter().enumerate().filter(|(other, _)| *other != fold) {
+                    rest.merge(part.clone());
+                }
+                rest
+            };
+            (0..folds.count).map(without).collect()
+        });
+        Self(without_each.collect())
+    }
+
+    /// For each fold, the polynomials by axis and segment.
+    fn polynomials(
+        &self,
+        segmentation: &Segmentation,
+        terms: usize,
+        tau_s: f64,
+    ) -> Option<Vec<Vec<Vec<Polynomial>>>> {
+        let mut polynomials: Vec<Vec<Vec<Polynomial>>> = vec![Vec::new(); self.0[0].len()];
+        for (segment, without_each) in segmentation.segments().iter().zip(&self.0) {
+            for (of_fold, rows) in polynomials.iter_mut().zip(without_each) {
+                let fit = rows.clone().fit(terms, tau_s).ok()?;
+                of_fold.resize(fit.solution.coefficients.len(), Vec::new());
+                for (axis, found) in of_fold.iter_mut().zip(&fit.solution.coefficients) {
+                    axis.push(Polynomial::new(segment, found));
+                }
+            }
+        }
+        Some(polynomials)
     }
 }

@@ -191,8 +191,10 @@ pub(crate) fn search(
     let tau_at = |x: f64| low * (high / low).powf(x);
     let step = 1.0 / (GRID - 1) as f64;
     let mut least = [(f64::INFINITY, 0.0); 2];
+    let mut of_grid = Vec::with_capacity(GRID);
     for x in (0..GRID).map(|i| i as f64 * step) {
         let (unshifted, shifted) = costs_at(tau_at(x), KAPPA_STEPS.0)?;
+        of_grid.push((x, shifted.value));
         for (least, cost) in least.iter_mut().zip([unshifted, shifted.value]) {
             if cost < least.0 {
                 *least = (cost, x);
@@ -202,6 +204,10 @@ pub(crate) fn search(
     let [(_, unshifted), (_, x)] = least;
     let around = ((x - step).max(0.0), (x + step).min(1.0));
     let best = lowest(around, TAU_STEPS, |x| {
+        let known = of_grid.iter().find(|(at, _)| (at - x).abs() < 1e-9);
+        if let Some(&(_, cost)) = known {
+            return Ok(cost);
+        }
         Ok(costs_at(tau_at(x), KAPPA_STEPS.0)?.1.value)
     })?;
     Ok(Found {

@@ -176,14 +176,9 @@ impl Question<'_> {
     ) -> Result<Vec<HeldOutErrors>, TableError> {
         let base = self.base()?;
         let folds = Folds::new(self.blocks, base.rates());
-        let segments = |model: Model| {
-            let form = (self.settings.kappa.into(), model.terms());
-            HeldOut::segments(self.blocks, &folds, &base, form, segmentation, self.overlap)
-        };
         let none = HeldOut::none(self.blocks, &folds);
         let cubic = HeldOut::cubic(self.blocks, &folds);
-        let fixed = segments(Model::Static);
-        let composite = segments(Model::Composite);
+        let [fixed, composite] = self.of_segments(&base, &folds, segmentation);
         let chosen = match chosen {
             Chosen::HeldOut(held_out) => Some(held_out),
             Chosen::Model(Model::Static) => fixed.clone(),
@@ -203,6 +198,18 @@ impl Question<'_> {
             chosen: rmse(&chosen, axis),
         };
         Ok((0..self.blocks.axes()).map(of_axis).collect())
+    }
+
+    /// The static and the composite model.
+    fn of_segments(
+        &self,
+        base: &Regressors,
+        folds: &Folds,
+        segmentation: &Segmentation,
+    ) -> [Option<HeldOut>; 2] {
+        let terms = [Model::Static, Model::Composite].map(Model::terms);
+        let form = (self.settings.kappa.into(), terms);
+        HeldOut::segments(self.blocks, folds, base, form, segmentation, self.overlap)
     }
 
     fn regressors(&self, tau_s: f64) -> Result<Regressors<'_>, TableError> {
@@ -259,20 +266,16 @@ impl Question<'_> {
                 .collect(),
         };
         for segmentation in divisions {
-            for model in [Model::Static, Model::Composite] {
+            let tried_here = self.of_segments(base, folds, &segmentation);
+            for (model, held_out) in [Model::Static, Model::Composite]
+                .into_iter()
+                .zip(tried_here)
+            {
+                let Some(held_out) = held_out else { continue };
                 if model == Model::Composite && folds.legs < LEAST_FOLDS {
                     continue;
                 }
                 let kappa = f64::from(self.settings.kappa);
-                let held_out = HeldOut::segments(
-                    self.blocks,
-                    folds,
-                    base,
-                    (kappa, model.terms()),
-                    &segmentation,
-                    self.overlap,
-                );
-                let Some(held_out) = held_out else { continue };
                 let segments = segmentation.segments().len();
                 let place = match self.segments {
                     Some(_) => Place::Given,

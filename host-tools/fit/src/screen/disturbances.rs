@@ -4,7 +4,7 @@ use tempco::{TableError, ThermalSettings};
 
 use crate::joint::{Basis, Blocks, Gram, RateForm, SparseRow, dot};
 use crate::regress::ChannelData;
-use crate::screen::{BiasStep, SIGMA_PER_MAD, median, steps};
+use crate::screen::{BiasStep, SIGMA_PER_MAD, SIGMA_PER_STEP, median, steps};
 
 /// Blocks further from the fit than this many standard deviations are left out.
 const LIMIT: f64 = 6.0;
@@ -64,6 +64,7 @@ pub(super) fn find(
         })
         .collect();
 
+    let least_sigmas = white_sigmas(data, &blocks);
     let mut keep = vec![true; count];
     let mut solution = Vec::new();
     for _ in 0..ROUNDS {
@@ -77,7 +78,7 @@ pub(super) fn find(
         if !reject {
             break;
         }
-        let now = undisturbed(&blocks, &rows, &solution);
+        let now = undisturbed(&blocks, &rows, &solution, &least_sigmas);
         let rejected = now.iter().filter(|&&keep| !keep).count();
         if now == keep || rejected as f64 > MOST_SHARE * count as f64 {
             break;
@@ -104,15 +105,40 @@ fn residuals(blocks: &Blocks, rows: &[SparseRow], solution: &[Vec<f64>]) -> Vec<
         .collect()
 }
 
+/// Number of rows of most blocks.
+fn usual_weight(blocks: &Blocks) -> f64 {
+    let mut weights: Vec<f64> = blocks.blocks.iter().map(|block| block.weight).collect();
+    median(&mut weights)
+}
+
+/// For each axis the standard deviation of a block mean, as far as neighbouring rows tell it: no
+/// residual below that is out of the ordinary, however well the reference fits.
+fn white_sigmas(data: &ChannelData, blocks: &Blocks) -> Vec<f64> {
+    let root = usual_weight(blocks).sqrt();
+    let of_axis = |axis: usize| {
+        let logs = data.logs.iter();
+        let columns = logs.map(|log| &log.channels[data.channel].axes[axis].raw);
+        let mut steps: Vec<f64> = columns
+            .flat_map(|raw| raw.windows(2).map(|pair| (pair[1] - pair[0]).abs()))
+            .collect();
+        SIGMA_PER_STEP * median(&mut steps) / root
+    };
+    (0..data.axes()).map(of_axis).collect()
+}
+
 /// For each block, whether all axes are within the limit of their own scale. A block of few rows
 /// may be further away, as its mean is noisier.
-fn undisturbed(blocks: &Blocks, rows: &[SparseRow], solution: &[Vec<f64>]) -> Vec<bool> {
-    let mut weights: Vec<f64> = blocks.blocks.iter().map(|block| block.weight).collect();
-    let usual = median(&mut weights);
+fn undisturbed(
+    blocks: &Blocks,
+    rows: &[SparseRow],
+    solution: &[Vec<f64>],
+    least_sigmas: &[f64],
+) -> Vec<bool> {
+    let usual = usual_weight(blocks);
     let mut keep = vec![true; rows.len()];
-    for residuals in residuals(blocks, rows, solution) {
+    for (residuals, least) in residuals(blocks, rows, solution).iter().zip(least_sigmas) {
         let mut distances: Vec<f64> = residuals.iter().map(|r| r.abs()).collect();
-        let limit = LIMIT * SIGMA_PER_MAD * median(&mut distances);
+        let limit = LIMIT * least.max(SIGMA_PER_MAD * median(&mut distances));
         for ((residual, block), keep) in residuals.iter().zip(&blocks.blocks).zip(&mut keep) {
             let allowed = limit * (usual / block.weight).sqrt().max(1.0);
             *keep &= limit == 0.0 || residual.abs() <= allowed;

@@ -1,7 +1,7 @@
 //! Rows that are far from their neighbours in time.
 
 use crate::regress::ChannelData;
-use crate::screen::{SIGMA_PER_MAD, median};
+use crate::screen::{SIGMA_PER_MAD, SIGMA_PER_STEP, median};
 
 /// Rows further from their local median than this many standard deviations are left out: of
 /// normal noise one in 5e8.
@@ -12,9 +12,6 @@ const WINDOW_S: f64 = 10.0;
 
 /// ... or over this many rows, if they take longer.
 const WINDOW_ROWS: usize = 11;
-
-/// Standard deviation of white noise over the median distance of neighbours.
-const SIGMA_PER_STEP: f64 = 1.0 / 0.9539;
 
 /// Leaves spikes out, for all axes; returns the number of rows.
 pub(super) fn leave_out(data: &mut ChannelData) -> usize {
@@ -33,15 +30,22 @@ pub(super) fn leave_out(data: &mut ChannelData) -> usize {
     count
 }
 
-/// Positions of spikes. The scale is the larger of two: of the distances from the local medians,
+/// Positions of spikes: values far from the local median and from those before and after it, to
+/// which a lasting change would belong. The scale is the larger of two: of the distances from the local medians,
 /// and of the steps between neighbours that differ, which is not below the step of a coarse
 /// output such as whole pulses.
 fn spikes(values: &[f64], window: usize) -> Vec<usize> {
-    let mut distances = Vec::with_capacity(values.len());
-    for part in values.chunks(window) {
-        let level = median(&mut part.to_vec());
-        distances.extend(part.iter().map(|value| (value - level).abs()));
-    }
+    let levels: Vec<f64> = values
+        .chunks(window)
+        .map(|part| median(&mut part.to_vec()))
+        .collect();
+    let distance = |row: usize| {
+        let own = row / window;
+        let near = own.saturating_sub(1)..(own + 2).min(levels.len());
+        let all = levels[near].iter().map(|level| (values[row] - level).abs());
+        all.fold(f64::INFINITY, f64::min)
+    };
+    let distances: Vec<f64> = (0..values.len()).map(distance).collect();
     let steps = values.windows(2).map(|pair| (pair[1] - pair[0]).abs());
     let mut steps: Vec<f64> = steps.filter(|&step| step > 0.0).collect();
     let spread = SIGMA_PER_MAD * median(&mut distances.clone());
@@ -62,6 +66,9 @@ mod tests {
         let noise = white(1).take(1000).enumerate();
         let mut values: Vec<f64> = noise.map(|(i, v)| v + 0.01 * i as f64).collect();
         assert!(spikes(&values, 20).is_empty());
+        let lasting = values.iter().enumerate();
+        let lasting = lasting.map(|(i, v)| v + if i < 505 { 0.0 } else { 30.0 });
+        assert!(spikes(&lasting.collect::<Vec<_>>(), 20).is_empty());
         values[17] += 30.0;
         values[500] -= 30.0;
         assert_eq!(spikes(&values, 20), [17, 500]);
