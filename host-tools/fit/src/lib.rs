@@ -14,12 +14,14 @@
 pub mod allan;
 pub mod apply;
 mod assemble;
+pub mod batch;
 pub mod fit;
 mod import;
 mod load;
 pub mod log;
 pub mod metrics;
 pub mod model;
+pub mod parallel;
 mod regress;
 pub mod rfactor;
 pub mod segment;
