@@ -133,11 +133,11 @@ impl<R: Read> Blocks<R> {
 
 /// Where the last row ends that is whole for certain.
 fn last_row_end(bytes: &[u8]) -> Option<usize> {
-    let end = memrchr(b'\n', bytes).map(|at| at + 1);
-    let whole = &bytes[..end.unwrap_or(0)];
-    // A carriage return at the very end may be half of a line end, and so is looked at again.
-    if end.is_some() && is_plain(whole) && memchr(b'"', &bytes[whole.len()..]).is_none() {
-        return end;
+    // Up to a line feed before which nothing is quoted, every row is whole.
+    if let Some(at) = memrchr(b'\n', bytes)
+        && is_plain(&bytes[..=at])
+    {
+        return Some(at + 1);
     }
     let mut records = Records::new(bytes);
     let mut last = None;

@@ -117,19 +117,23 @@ impl LogStream {
         self.bytes
     }
 
-    pub(super) fn header(&self) -> &[String] {
+    /// Names of all columns.
+    pub(crate) fn header(&self) -> &[String] {
         &self.layout.header
     }
 
-    pub(super) fn channels(&self) -> &[ChannelColumns] {
+    /// The columns of temperatures and axes, in the order of the chunks.
+    pub(crate) fn channels(&self) -> &[ChannelColumns] {
         &self.layout.columns.channels
     }
 
-    pub(super) fn ignored(&self) -> &[String] {
+    /// Columns that were neither mapped nor recognised.
+    pub(crate) fn ignored(&self) -> &[String] {
         &self.layout.columns.ignored
     }
 
-    pub(super) fn empty_chunk(&self) -> Chunk {
+    /// A chunk to which others of this log can be appended.
+    pub(crate) fn empty_chunk(&self) -> Chunk {
         self.layout.chunk(0)
     }
 }

@@ -17,6 +17,9 @@ use crate::run::build_tempco;
 /// Every program is run so often, in turn, and its fastest run counts.
 const ROUNDS: usize = 3;
 
+/// Samples per second of the simulation that is timed.
+const SIMULATED_HZ: f64 = 20.0;
+
 /// The segments of the paper, in degC.
 const SEGMENTS: &str = "-15:15,5:35,25:60,50:80";
 
@@ -31,19 +34,9 @@ pub(super) fn figures(workspace: &Workspace, rows: u32) -> Result<Value> {
 
     let simulate = || {
         let mut command = Command::new(&program);
-        let args = [
-            "simulate",
-            "--unit",
-            "paper",
-            "--profile",
-            "calibration",
-            "--rate",
-            "20",
-        ];
-        command
-            .args(args)
-            .arg("--out")
-            .arg(folder.join("simulated.csv"));
+        command.args(["simulate", "--unit", "paper", "--profile", "calibration"]);
+        command.arg("--rate").arg(SIMULATED_HZ.to_string());
+        command.arg("--out").arg(folder.join("simulated.csv"));
         command
     };
     let fit = || {
@@ -77,8 +70,8 @@ pub(super) fn figures(workspace: &Workspace, rows: u32) -> Result<Value> {
     let mut of_host = Map::new();
     of_host.insert("rows".to_owned(), json!(rows));
     if let Some(taken) = simulating {
-        let simulated = 72_750 * 20 + 1;
-        let rows_per_s = (f64::from(simulated) / taken.seconds).round();
+        let simulated = SIMULATED_HZ * Profile::named("calibration")?.duration_s() + 1.0;
+        let rows_per_s = (simulated / taken.seconds).round();
         of_host.insert("simulate_rows_per_s".to_owned(), json!(rows_per_s));
     }
     if let Some(fitting) = fitting {
