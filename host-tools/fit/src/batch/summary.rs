@@ -24,12 +24,15 @@ const HEADER: [&str; 14] = [
     "message",
 ];
 
+/// Number of a unit, and of an axis in it.
+type Place = (usize, usize);
+
 /// All units of a batch, compared.
 #[derive(Debug)]
 pub struct Summary {
     units: Vec<Outcome>,
     /// For unit and axis, the robust z-scores of ln sigma before and after compensation.
-    scores: BTreeMap<(usize, usize), [Option<f64>; 2]>,
+    scores: BTreeMap<Place, [Option<f64>; 2]>,
 }
 
 impl Summary {
@@ -38,11 +41,11 @@ impl Summary {
     /// The scores are of ln sigma, since sigmas differ by factors: a unit that is ten times worse is
     /// as far off as one that is ten times better.
     pub fn new(units: Vec<Outcome>) -> Self {
-        let mut scores: BTreeMap<(usize, usize), [Option<f64>; 2]> = BTreeMap::new();
+        let mut scores: BTreeMap<Place, [Option<f64>; 2]> = BTreeMap::new();
         let figures: [fn(&AxisFigures) -> f64; 2] =
             [|axis| axis.sigma_before, |axis| axis.sigma_after];
         for (which, figure) in figures.into_iter().enumerate() {
-            let mut groups: BTreeMap<(&str, &str), Vec<((usize, usize), f64)>> = BTreeMap::new();
+            let mut groups: BTreeMap<(&str, &str), Vec<(Place, f64)>> = BTreeMap::new();
             for (place, axis) in all_axes(&units) {
                 let value = figure(axis).ln();
                 if value.is_finite() {
@@ -168,7 +171,7 @@ impl Summary {
     }
 }
 
-fn all_axes(units: &[Outcome]) -> impl Iterator<Item = ((usize, usize), &AxisFigures)> {
+fn all_axes(units: &[Outcome]) -> impl Iterator<Item = (Place, &AxisFigures)> {
     let units = units.iter().enumerate();
     units.flat_map(|(number, unit)| {
         let axes = unit.result.iter().flat_map(|figures| &figures.axes);
