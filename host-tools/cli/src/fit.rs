@@ -1,6 +1,6 @@
 //! `tempco fit`: logs in, coefficient set out.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
 use clap::ValueEnum;
@@ -11,21 +11,28 @@ use tempco_fit::segment::{Overlap, Segmentation};
 use tempco_fit::set::{CoefficientSet, Model, table_rs, write_files};
 
 use crate::Verdict;
+use crate::batch;
 use crate::output::{figure, percent, print, table};
 use crate::set_tables::show_choice;
 use crate::shared_args::LogArgs;
 
 /// Fit a coefficient set to one or more chamber logs of a unit
 ///
-/// Writes DIR/coefficients.json and DIR/table.rs, both or neither.
+/// Writes DIR/coefficients.json and DIR/table.rs, both or neither. With --batch, every unit found in a
+/// folder: DIR/SERIAL/ for each, DIR/summary.csv and DIR/summary.html; a unit that fails is in the
+/// summary with its error and makes the exit code 1, the others are fitted all the same.
 #[derive(clap::Args)]
 pub(crate) struct Args {
-    /// Chamber logs of the unit (CSV)
-    #[arg(required = true, value_name = "LOG.csv")]
+    /// Chamber logs of the unit: CSV, as it is or packed by gzip or zstd, or Parquet
+    #[arg(required_unless_present = "batch", value_name = "LOG.csv")]
     logs: Vec<PathBuf>,
     /// Serial number of the unit
-    #[arg(long)]
-    serial: String,
+    #[arg(long, required_unless_present = "batch")]
+    serial: Option<String>,
+    /// Fit all units in this folder: a sub-folder per serial number with its logs, or logs named
+    /// SERIAL.csv or SERIAL_*.csv (also .csv.gz, .csv.zst, .parquet)
+    #[arg(long, value_name = "FOLDER", conflicts_with_all = ["logs", "serial"])]
+    batch: Option<PathBuf>,
     /// Folder for the set; made if need be
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
@@ -99,13 +106,29 @@ pub(crate) fn run(args: &Args) -> Result<Verdict> {
         !matches!(args.overlap, OverlapArg::Spline) || matches!(args.model, ModelArg::Spline),
         "--overlap spline: expected with --model spline only, whose segments are fitted together"
     );
-    let logs = args
-        .logs
+    let options = options(args);
+    if let Some(folder) = &args.batch {
+        return batch::run(folder, &args.out, &args.reading.options(None)?, &options);
+    }
+    let logs = args.reading.read_all(&args.logs)?;
+    let Fit { set, remarks } = fit(&logs, &options)?;
+    write_set(&args.out, &set)?;
+
+    summarise(&set, args)?;
+    set.channels.iter().try_for_each(show_choice)?;
+    for remark in &remarks {
+        print(format_args!("remark: {remark}"))?;
+    }
+    let alarm = set
+        .channels
         .iter()
-        .map(|path| args.reading.read(path, None))
-        .collect::<Result<Vec<_>>>()?;
-    let options = FitOptions {
-        serial: args.serial.clone(),
+        .any(|channel| (0..channel.axes.len()).any(|axis| channel.mismatch_alarm(axis)));
+    Ok(Verdict::of(!alarm))
+}
+
+fn options(args: &Args) -> FitOptions {
+    FitOptions {
+        serial: args.serial.clone().unwrap_or_default(),
         model: match args.model {
             ModelArg::Static => Model::Static,
             ModelArg::Composite => Model::Composite,
@@ -131,27 +154,18 @@ pub(crate) fn run(args: &Args) -> Result<Verdict> {
         robust: !args.keep_outliers,
         scale_factor_arcsec: args.reading.scale_factor,
         tau_s: args.tau,
-    };
-    let Fit { set, remarks } = fit(&logs, &options)?;
+    }
+}
 
-    let json = serde_json::to_string_pretty(&set)? + "\n";
-    let rust = table_rs(&set);
+/// Writes the files of a set, all or none.
+pub(crate) fn write_set(out: &Path, set: &CoefficientSet) -> Result<()> {
+    let json = serde_json::to_string_pretty(set)? + "\n";
+    let rust = table_rs(set);
     let files = [
         ("coefficients.json", json.as_bytes()),
         ("table.rs", rust.as_bytes()),
     ];
-    write_files(&args.out, &files).context("nothing was written")?;
-
-    summarise(&set, args)?;
-    set.channels.iter().try_for_each(show_choice)?;
-    for remark in &remarks {
-        print(format_args!("remark: {remark}"))?;
-    }
-    let alarm = set
-        .channels
-        .iter()
-        .any(|channel| (0..channel.axes.len()).any(|axis| channel.mismatch_alarm(axis)));
-    Ok(Verdict::of(!alarm))
+    write_files(out, &files).context("nothing was written")
 }
 
 fn summarise(set: &CoefficientSet, args: &Args) -> Result<()> {

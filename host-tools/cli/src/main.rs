@@ -3,10 +3,12 @@
 //! Exit codes: 0 done; 1 done, but judged not acceptable; 2 bad usage or bad input.
 
 mod apply;
+mod batch;
 mod evaluate;
 mod fit;
 mod inspect;
 mod output;
+mod progress;
 mod replay;
 mod set_tables;
 mod shared_args;

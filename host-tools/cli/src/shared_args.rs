@@ -4,9 +4,12 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Result, ensure};
 use tempco_fit::load_set;
-use tempco_fit::log::{AxisColumn, Log, Mapping, ReadOptions, TempColumn, read_log};
+use tempco_fit::log::{AxisColumn, Log, Mapping, ReadOptions, TempColumn, read_log_observed};
+use tempco_fit::parallel;
 use tempco_fit::set::CoefficientSet;
 use tempco_fit::unit::COLUMN_UNITS;
+
+use crate::progress::Progress;
 
 /// A set, and a log it is put to.
 #[derive(clap::Args)]
@@ -14,7 +17,7 @@ pub(crate) struct SetAndLog {
     /// Coefficient set (coefficients.json)
     #[arg(value_name = "SET")]
     pub(crate) set: PathBuf,
-    /// Log of the unit (CSV)
+    /// Log of the unit: CSV, as it is or packed by gzip or zstd, or Parquet
     #[arg(value_name = "LOG.csv")]
     pub(crate) log: PathBuf,
     #[command(flatten)]
@@ -56,35 +59,59 @@ pub(crate) struct LogArgs {
 impl LogArgs {
     /// Reads a log; without a scale factor of its own, with that of the set.
     pub(crate) fn read(&self, path: &Path, set_scale_factor: Option<f64>) -> Result<Log> {
+        let paths = [path.to_owned()];
+        let progress = Progress::over(&paths);
+        let options = self.options(set_scale_factor)?;
+        let log = read_log_observed(path, &options, |bytes| progress.add(bytes))?;
+        drop(progress);
+        remark(&log);
+        Ok(log)
+    }
+
+    /// Reads several logs at once.
+    pub(crate) fn read_all(&self, paths: &[PathBuf]) -> Result<Vec<Log>> {
+        let progress = Progress::over(paths);
+        let options = self.options(None)?;
+        let logs = parallel::map(paths, |path| {
+            read_log_observed(path, &options, |bytes| progress.add(bytes))
+        });
+        drop(progress);
+        let logs = logs.into_iter().collect::<Result<Vec<_>, _>>()?;
+        logs.iter().for_each(remark);
+        Ok(logs)
+    }
+
+    /// How to read; without a scale factor of its own, with that of the set.
+    pub(crate) fn options(&self, set_scale_factor: Option<f64>) -> Result<ReadOptions> {
         if let Some(scale_factor) = self.scale_factor {
             ensure!(
                 scale_factor.is_finite() && scale_factor > 0.0,
                 "--scale-factor {scale_factor}: expected arcsec per pulse, above 0"
             );
         }
-        let log = read_log(
-            path,
-            &ReadOptions {
-                mapping: Mapping {
-                    time: self.time.clone(),
-                    temps: self.temp.clone(),
-                    axes: self.axis.clone(),
-                },
-                scale_factor_arcsec: self.scale_factor.or(set_scale_factor),
-                skip_bad_rows: self.skip_bad_rows,
+        Ok(ReadOptions {
+            mapping: Mapping {
+                time: self.time.clone(),
+                temps: self.temp.clone(),
+                axes: self.axis.clone(),
             },
-        )?;
-        if !log.ignored_columns.is_empty() {
-            eprintln!(
-                "{}: columns not used: {}",
-                log.file,
-                log.ignored_columns.join(", ")
-            );
-        }
-        if log.skipped_rows > 0 {
-            eprintln!("{}: {} bad rows left out", log.file, log.skipped_rows);
-        }
-        Ok(log)
+            scale_factor_arcsec: self.scale_factor.or(set_scale_factor),
+            skip_bad_rows: self.skip_bad_rows,
+        })
+    }
+}
+
+/// Says what of a log was not used.
+fn remark(log: &Log) {
+    if !log.ignored_columns.is_empty() {
+        eprintln!(
+            "{}: columns not used: {}",
+            log.file,
+            log.ignored_columns.join(", ")
+        );
+    }
+    if log.skipped_rows > 0 {
+        eprintln!("{}: {} bad rows left out", log.file, log.skipped_rows);
     }
 }
 

@@ -14,6 +14,7 @@
 pub mod allan;
 pub mod apply;
 mod assemble;
+pub mod batch;
 pub mod fit;
 mod import;
 mod joint;
@@ -21,6 +22,7 @@ mod load;
 pub mod log;
 pub mod metrics;
 pub mod model;
+pub mod parallel;
 mod regress;
 pub mod rfactor;
 mod rounding;

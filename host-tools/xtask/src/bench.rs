@@ -2,11 +2,11 @@
 
 mod cycles_m7;
 mod fixed;
+mod host;
+mod peers;
+mod watch;
 
-use std::process::Command;
-use std::time::Instant;
-
-use anyhow::{Context, Result, ensure};
+use anyhow::{Result, ensure};
 use clap::ValueEnum;
 use serde_json::{Map, Value, json};
 use tempco_qemu::{
@@ -14,13 +14,15 @@ use tempco_qemu::{
 };
 
 use crate::cycles::price;
-use crate::run::build_tempco;
 
 #[derive(clap::Args)]
 pub(crate) struct Args {
     /// Print one JSON object as the last line
     #[arg(long)]
     json: bool,
+    /// Rows of the log that is fitted on the host
+    #[arg(long, value_name = "N", default_value_t = 1_000_000)]
+    rows: u32,
     /// What to measure; both, if not said
     #[arg(value_enum)]
     only: Option<Side>,
@@ -30,7 +32,7 @@ pub(crate) struct Args {
 enum Side {
     /// Executed instructions in QEMU
     Target,
-    /// Rows per second on this machine
+    /// Rows per second on this machine, beside pandas and polars with numpy
     Host,
 }
 
@@ -42,7 +44,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         result.insert("fixed".to_owned(), fixed::figures(&workspace)?);
     }
     if args.only != Some(Side::Target) {
-        result.insert("host".to_owned(), host(&workspace)?);
+        result.insert("host".to_owned(), host::figures(&workspace, args.rows)?);
     }
     if args.json {
         println!("{}", Value::Object(result));
@@ -119,56 +121,4 @@ fn target(workspace: &Workspace) -> Result<Value> {
     figures.insert("baselines".to_owned(), Value::Object(baselines));
     figures.insert("sizes".to_owned(), Value::Object(sizes));
     Ok(Value::Object(figures))
-}
-
-/// Rows per second of the `tempco` command, process start included; the machine's load shows in
-/// it, so compare figures of one run only.
-fn host(workspace: &Workspace) -> Result<Value> {
-    let program = build_tempco(workspace, &["--release"])?;
-    let folder = workspace.root().join("target/bench");
-    std::fs::create_dir_all(&folder)?;
-    let log = folder.join("calibration.csv");
-    let log = log.to_str().context("the path of the workspace")?;
-    let set = folder.join("set");
-    let set = set.to_str().context("the path of the workspace")?;
-    let seconds = |args: &[&str]| -> Result<f64> {
-        let mut fastest = f64::INFINITY;
-        for _ in 0..5 {
-            let start = Instant::now();
-            let output = Command::new(&program).args(args).output()?;
-            fastest = fastest.min(start.elapsed().as_secs_f64());
-            ensure!(
-                output.status.success(),
-                "`tempco {}` failed",
-                args.join(" ")
-            );
-        }
-        Ok(fastest)
-    };
-    let simulate = seconds(&[
-        "simulate",
-        "--unit",
-        "paper",
-        "--profile",
-        "calibration",
-        "--rate",
-        "20",
-        "--out",
-        log,
-    ])?;
-    let fit = seconds(&["fit", log, "--serial", "BENCH", "--out", set])?;
-    let rows = std::fs::read(log)?
-        .iter()
-        .filter(|&&byte| byte == b'\n')
-        .count()
-        - 1;
-    let per_s = |seconds: f64| (rows as f64 / seconds).round();
-    println!("this machine, best of 5, {rows} rows of three axes");
-    println!("  simulate {:>12} rows/s", per_s(simulate));
-    println!("  fit      {:>12} rows/s", per_s(fit));
-    Ok(json!({
-        "rows": rows,
-        "simulate_rows_per_s": per_s(simulate),
-        "fit_rows_per_s": per_s(fit),
-    }))
 }

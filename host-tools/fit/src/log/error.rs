@@ -48,6 +48,20 @@ pub enum LogError {
         /// What was found and what was expected.
         message: String,
     },
+    /// A value of a table without lines (Parquet) is unusable.
+    #[error("{}: row {row}, column {column} `{name}`: {message}", path.display())]
+    Value {
+        /// The file.
+        path: PathBuf,
+        /// Row number, the first being 1.
+        row: u64,
+        /// Column number, the first being 1.
+        column: usize,
+        /// Name of the column.
+        name: String,
+        /// What was found and what was expected.
+        message: String,
+    },
 }
 
 impl LogError {

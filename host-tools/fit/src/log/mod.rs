@@ -1,13 +1,33 @@
 //! Chamber logs: typed, checked, in units.
+//!
+//! ```text
+//! source (digest, unpack) -> blocks -> rows -> order -> stream -> read (the whole log)
+//!                    parquet ----------------^
+//! ```
 
+mod blocks;
+mod chunk;
 mod columns;
+mod decimal;
 mod error;
+mod layout;
+mod order;
+mod parquet;
+mod pipeline;
 mod read;
+mod records;
+mod rows;
+mod source;
+mod stream;
+#[cfg(test)]
+mod tests;
 
+pub use chunk::Chunk;
 pub use columns::{AxisColumn, Mapping, TempColumn};
 pub use error::LogError;
-pub(crate) use read::hex;
-pub use read::{ReadOptions, read_log};
+pub use read::{ReadOptions, read_log, read_log_observed};
+pub(crate) use source::hex;
+pub use stream::LogStream;
 
 use crate::unit::AxisUnit;
 

@@ -1,20 +1,12 @@
-//! Reads a CSV log, checking every cell.
+//! Reads whole logs.
 
-use std::fs;
 use std::path::Path;
 
-use csv::{ByteRecord, ReaderBuilder};
-use sha2::{Digest, Sha256};
-
-use super::columns::{Columns, Mapping};
+use super::chunk::Chunk;
+use super::columns::Mapping;
+use super::stream::LogStream;
 use super::{Axis, Channel, Log, LogError};
 use crate::unit::{AxisUnit, ColumnUnit};
-
-/// Temperatures outside this range \[degC\] are taken for a wrong unit, not for a reading.
-const PLAUSIBLE_TEMP_C: std::ops::RangeInclusive<f64> = -100.0..=200.0;
-
-/// Values beyond this magnitude are no measurement of anything, and the core could not hold them.
-const LARGEST_VALUE: f64 = 1e20;
 
 /// How to read a log.
 #[derive(Clone, Debug, Default)]
@@ -27,7 +19,7 @@ pub struct ReadOptions {
     pub skip_bad_rows: bool,
 }
 
-/// Reads the log at `path`.
+/// Reads the log at `path`: CSV, as it is or packed by gzip or zstd, or Parquet.
 ///
 /// Pulse counts are divided by the median interval between rows, since a count belongs to one
 /// sample however long the gap before it; 1 arcsec/s is 1 deg/h.
@@ -35,45 +27,42 @@ pub struct ReadOptions {
 /// # Errors
 /// The first thing that is wrong, with file, line and column: a header that does not name time,
 /// temperature and axes with their units, a cell that is not a finite number, time that does not
-/// increase, temperatures that cannot be degC, fewer than two rows.
+/// increase, temperatures that cannot be degC, fewer than two rows; packed data that is cut off.
 pub fn read_log(path: &Path, options: &ReadOptions) -> Result<Log, LogError> {
-    let bytes = fs::read(path).map_err(LogError::io(path))?;
-    let sha256 = hex(&Sha256::digest(&bytes));
-    let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes);
-    if text.iter().all(u8::is_ascii_whitespace) {
-        return Err(LogError::file(
-            path,
-            "the file is empty: expected a header such as `time_s,temp_c,x_dph` and rows",
-        ));
-    }
+    read_log_observed(path, options, |_| ())
+}
 
-    let mut reader = ReaderBuilder::new().flexible(true).from_reader(text);
-    let header: Vec<String> = reader
-        .headers()
-        .map_err(|error| LogError::line(path, 1, error.to_string()))?
-        .iter()
-        .map(|name| name.trim().to_owned())
-        .collect();
-    let columns = Columns::find(&header, &options.mapping)
-        .map_err(|message| LogError::line(path, 1, message))?;
+/// Reads a log as [`read_log`] does, telling `observer` from time to time how many more bytes of
+/// the file were read.
+///
+/// # Errors
+/// Those of [`read_log`].
+pub fn read_log_observed(
+    path: &Path,
+    options: &ReadOptions,
+    mut observer: impl FnMut(u64),
+) -> Result<Log, LogError> {
+    let mut stream = LogStream::open(path, options)?;
+    let mut told = 0;
+    whole(path, &mut stream, options, |bytes| {
+        observer(bytes - told);
+        told = bytes;
+    })
+}
 
-    let mut rows = Rows::new(path, &header, &columns);
-    let mut record = ByteRecord::new();
-    let mut skipped_rows = 0;
-    loop {
-        match reader.read_byte_record(&mut record) {
-            Ok(true) => {}
-            Ok(false) => break,
-            Err(error) => return Err(LogError::file(path, error.to_string())),
-        }
-        match rows.push(&record) {
-            Ok(()) => {}
-            Err(_) if options.skip_bad_rows => skipped_rows += 1,
-            Err(error) => return Err(error),
-        }
+fn whole(
+    path: &Path,
+    stream: &mut LogStream,
+    options: &ReadOptions,
+    mut bytes_read: impl FnMut(u64),
+) -> Result<Log, LogError> {
+    let mut rows = stream.empty_chunk();
+    while let Some(chunk) = stream.next_chunk()? {
+        rows.append(&chunk);
+        bytes_read(stream.bytes_read());
     }
-    if rows.time_s.len() < 2 {
-        let found = rows.time_s.len();
+    if rows.rows() < 2 {
+        let found = rows.rows();
         return Err(LogError::file(
             path,
             format!("{found} usable rows after the header: expected at least 2"),
@@ -86,155 +75,43 @@ pub fn read_log(path: &Path, options: &ReadOptions) -> Result<Log, LogError> {
             .unwrap_or_default()
             .to_string_lossy()
             .into(),
-        sha256,
-        channels: rows.take_channels(interval_s, options.scale_factor_arcsec),
+        sha256: stream.sha256().unwrap_or_default().to_owned(),
+        channels: channels(stream, &mut rows, interval_s, options.scale_factor_arcsec),
         time_s: rows.time_s,
-        ignored_columns: columns.ignored,
-        skipped_rows,
+        ignored_columns: stream.ignored().to_vec(),
+        skipped_rows: stream.skipped_rows(),
         interval_s,
     })
 }
 
-/// The rows read so far, column by column.
-struct Rows<'a> {
-    path: &'a Path,
-    header: &'a [String],
-    columns: &'a Columns,
-    time_s: Vec<f64>,
-    temps_c: Vec<Vec<f32>>,
-    axes: Vec<Vec<Vec<f64>>>,
-    /// The row being read: nothing is kept of a row with a bad cell.
-    row: Vec<f64>,
-}
-
-impl<'a> Rows<'a> {
-    fn new(path: &'a Path, header: &'a [String], columns: &'a Columns) -> Self {
-        Self {
-            path,
-            header,
-            columns,
-            time_s: Vec::new(),
-            temps_c: vec![Vec::new(); columns.channels.len()],
+fn channels(
+    stream: &LogStream,
+    rows: &mut Chunk,
+    interval_s: f64,
+    scale_factor: Option<f64>,
+) -> Vec<Channel> {
+    let mut temps_c = std::mem::take(&mut rows.temps_c).into_iter();
+    let mut axes = std::mem::take(&mut rows.axes).into_iter();
+    let channels = stream.channels().iter().zip(&mut temps_c);
+    channels
+        .map(|(columns, temp_c)| Channel {
+            column: stream.header()[columns.temp].clone(),
+            temp_c,
             axes: columns
-                .channels
+                .axes
                 .iter()
-                .map(|channel| vec![Vec::new(); channel.axes.len()])
+                .zip(&mut axes)
+                .map(|((_, axis), mut raw)| {
+                    let unit = to_axis_unit(&mut raw, axis.unit, interval_s, scale_factor);
+                    Axis {
+                        name: axis.name.clone(),
+                        unit,
+                        raw,
+                    }
+                })
                 .collect(),
-            row: Vec::new(),
-        }
-    }
-
-    fn push(&mut self, record: &ByteRecord) -> Result<(), LogError> {
-        let line = record.position().map_or(0, csv::Position::line);
-        if record.len() != self.header.len() {
-            return Err(LogError::line(
-                self.path,
-                line,
-                format!(
-                    "{} cells, but the header has {} (a decimal comma, or a cut line?)",
-                    record.len(),
-                    self.header.len()
-                ),
-            ));
-        }
-        let columns = self.columns;
-        let time_s = self.number(record, line, columns.time)?;
-        if let Some(&before) = self.time_s.last()
-            && time_s <= before
-        {
-            return Err(self.cell(
-                line,
-                columns.time,
-                format!("{time_s} s after {before} s: expected time to increase"),
-            ));
-        }
-        self.row.clear();
-        for channel in &columns.channels {
-            let temp_c = self.number(record, line, channel.temp)?;
-            if !PLAUSIBLE_TEMP_C.contains(&temp_c) {
-                let hint = if (173.15..=473.15).contains(&temp_c) {
-                    " (is it in kelvin?)"
-                } else {
-                    ""
-                };
-                return Err(self.cell(
-                    line,
-                    channel.temp,
-                    format!("{temp_c}: expected -100 to 200 degC{hint}"),
-                ));
-            }
-            self.row.push(temp_c);
-            for (position, _) in &channel.axes {
-                let value = self.number(record, line, *position)?;
-                self.row.push(value);
-            }
-        }
-        self.time_s.push(time_s);
-        let mut row = self.row.iter();
-        for (temps_c, axes) in self.temps_c.iter_mut().zip(&mut self.axes) {
-            temps_c.extend(row.next().map(|&temp_c| temp_c as f32));
-            for axis in axes {
-                axis.extend(row.next());
-            }
-        }
-        Ok(())
-    }
-
-    fn number(&self, record: &ByteRecord, line: u64, position: usize) -> Result<f64, LogError> {
-        let cell = record[position].trim_ascii();
-        match fast_float2::parse::<f64, _>(cell) {
-            Ok(value) if value.abs() <= LARGEST_VALUE => Ok(value),
-            Ok(value) if value.is_finite() => {
-                let message = format!("{value:e}: expected a magnitude of 1e20 at most");
-                Err(self.cell(line, position, message))
-            }
-            _ => {
-                let found = String::from_utf8_lossy(cell);
-                let found = match found.is_empty() {
-                    true => "an empty cell".to_owned(),
-                    false => format!("`{found}`"),
-                };
-                Err(self.cell(line, position, format!("{found}: expected a finite number")))
-            }
-        }
-    }
-
-    fn cell(&self, line: u64, position: usize, message: String) -> LogError {
-        LogError::Cell {
-            path: self.path.to_owned(),
-            line,
-            column: position + 1,
-            name: self.header[position].clone(),
-            message,
-        }
-    }
-
-    fn take_channels(&mut self, interval_s: f64, scale_factor: Option<f64>) -> Vec<Channel> {
-        let temps_c = std::mem::take(&mut self.temps_c);
-        let axes = std::mem::take(&mut self.axes);
-        self.columns
-            .channels
-            .iter()
-            .zip(temps_c.into_iter().zip(axes))
-            .map(|(columns, (temp_c, values))| Channel {
-                column: self.header[columns.temp].clone(),
-                temp_c,
-                axes: columns
-                    .axes
-                    .iter()
-                    .zip(values)
-                    .map(|((_, axis), mut raw)| {
-                        let unit = to_axis_unit(&mut raw, axis.unit, interval_s, scale_factor);
-                        Axis {
-                            name: axis.name.clone(),
-                            unit,
-                            raw,
-                        }
-                    })
-                    .collect(),
-            })
-            .collect()
-    }
+        })
+        .collect()
 }
 
 fn to_axis_unit(
@@ -260,12 +137,10 @@ fn median_interval_s(time_s: &[f64]) -> f64 {
     *intervals.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
-pub(crate) fn hex(bytes: &[u8]) -> String {
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
-}
-
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
 
     fn read(text: &str, options: &ReadOptions) -> Result<Log, LogError> {

@@ -1,0 +1,120 @@
+//! `tempco fit --batch`: a set for every unit of a folder, and a summary of all.
+
+use std::path::Path;
+
+use anyhow::{Context, Result, ensure};
+use tempco_fit::batch::{Outcome, Summary, UnitFigures, UnitLogs, find_units};
+use tempco_fit::fit::{FitOptions, fit};
+use tempco_fit::log::{ReadOptions, read_log_observed};
+use tempco_fit::parallel;
+use tempco_fit::set::write_files;
+
+use crate::Verdict;
+use crate::fit::write_set;
+use crate::output::{figure, percent, print, table};
+use crate::progress::Progress;
+
+/// Fits every unit found in `folder`; the serial number in `options` is replaced by the unit's.
+pub(crate) fn run(
+    folder: &Path,
+    out: &Path,
+    reading: &ReadOptions,
+    options: &FitOptions,
+) -> Result<Verdict> {
+    let units = find_units(folder, out)?;
+    let progress = Progress::over(units.iter().flat_map(|unit| &unit.logs));
+    let outcomes = parallel::map(&units, |unit| Outcome {
+        serial: unit.serial.clone(),
+        logs: unit.logs.len(),
+        result: fit_unit(unit, out, reading, options, &progress)
+            .map_err(|error| format!("{error:#}")),
+    });
+    drop(progress);
+    let summary = Summary::new(outcomes);
+    let (csv, html) = (summary.csv(), summary.html());
+    let files = [("summary.csv", &csv[..]), ("summary.html", html.as_bytes())];
+    write_files(out, &files).context("the summary was not written")?;
+    show(&summary)?;
+    print(format_args!(
+        "wrote the sets and {} and {}",
+        out.join("summary.csv").display(),
+        out.join("summary.html").display()
+    ))?;
+    Ok(Verdict::of(summary.is_acceptable()))
+}
+
+/// Reads, fits and writes one unit: all its files or none.
+fn fit_unit(
+    unit: &UnitLogs,
+    out: &Path,
+    reading: &ReadOptions,
+    options: &FitOptions,
+    progress: &Progress,
+) -> Result<UnitFigures> {
+    ensure!(
+        !unit.logs.is_empty(),
+        "no log in its folder: expected .csv, .csv.gz, .csv.zst or .parquet"
+    );
+    let logs = unit
+        .logs
+        .iter()
+        .map(|path| read_log_observed(path, reading, |bytes| progress.add(bytes)))
+        .collect::<Result<Vec<_>, _>>()?;
+    let options = FitOptions {
+        serial: unit.serial.clone(),
+        ..options.clone()
+    };
+    let fit = fit(&logs, &options)?;
+    write_set(&out.join(&unit.serial), &fit.set)?;
+    Ok(UnitFigures::new(&fit))
+}
+
+fn show(summary: &Summary) -> Result<()> {
+    let header = [
+        "serial",
+        "verdict",
+        "outlier",
+        "axis",
+        "sigma before",
+        "after",
+        "improvement",
+    ];
+    let mut rows = Vec::new();
+    for (number, unit) in summary.units().iter().enumerate() {
+        let verdict = summary.verdict(number).to_owned();
+        let outlier = if summary.is_outlier(number) {
+            "yes"
+        } else {
+            ""
+        };
+        let Ok(figures) = &unit.result else {
+            let mut row = vec![unit.serial.clone(), verdict];
+            row.resize(header.len(), String::new());
+            rows.push(row);
+            continue;
+        };
+        for axis in &figures.axes {
+            rows.push(vec![
+                unit.serial.clone(),
+                verdict.clone(),
+                outlier.to_owned(),
+                axis.axis.clone(),
+                figure(axis.sigma_before),
+                figure(axis.sigma_after),
+                percent(1.0 - axis.sigma_after / axis.sigma_before),
+            ]);
+        }
+    }
+    print(table(&header, rows))?;
+    for unit in summary.units() {
+        match &unit.result {
+            Err(error) => eprintln!("unit {}: {error}", unit.serial),
+            Ok(figures) => {
+                for objection in &figures.objections {
+                    eprintln!("unit {}: {objection}", unit.serial);
+                }
+            }
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,11 @@
+//! Many units at once: which logs belong to which, and how the units compare.
+
+mod figures;
+mod find;
+mod outlier;
+mod summary;
+
+pub use figures::{AxisFigures, Outcome, UnitFigures};
+pub use find::{FindError, UnitLogs, find_units};
+pub use outlier::{LEAST_UNITS, OUTLIER_Z, robust_z};
+pub use summary::Summary;

@@ -1,0 +1,195 @@
+//! Cuts a stream of text into blocks of whole rows, in memory that does not grow with the stream.
+
+use std::io::{self, Read};
+
+use memchr::{memchr, memchr_iter, memrchr};
+
+use super::records::{Records, lines};
+
+/// A row longer than this is no row of numbers.
+const LONGEST_ROW: usize = 16 << 20;
+
+/// Some whole rows.
+#[derive(Debug)]
+pub(super) struct Block {
+    bytes: Vec<u8>,
+    /// Where the rows start in `bytes`.
+    start: usize,
+    /// Line number of the first row; the file starts with line 1.
+    pub(super) first_line: u64,
+    /// Whether no cell is quoted and every row ends with a line feed.
+    pub(super) is_plain: bool,
+}
+
+impl Block {
+    fn new(mut bytes: Vec<u8>, first_line: u64) -> Self {
+        let is_plain = is_plain(&bytes);
+        if is_plain && bytes.last().is_some_and(|&byte| byte != b'\n') {
+            bytes.push(b'\n');
+        }
+        Self {
+            bytes,
+            start: 0,
+            first_line,
+            is_plain,
+        }
+    }
+
+    pub(super) fn text(&self) -> &[u8] {
+        &self.bytes[self.start..]
+    }
+
+    /// Takes the first row, being the header, off the block; `None` if there is none.
+    pub(super) fn take_header(&mut self) -> Option<Vec<Vec<u8>>> {
+        if self.text().starts_with(b"\xef\xbb\xbf") {
+            self.start += 3;
+        }
+        if self.text().iter().all(u8::is_ascii_whitespace) {
+            return None;
+        }
+        let mut records = Records::new(self.text());
+        let (_, cells) = records.next()?;
+        let header = cells.into_iter().map(<[u8]>::to_vec).collect();
+        let (rest, passed) = (records.rest().len(), records.line());
+        self.first_line += u64::from(passed);
+        self.start = self.bytes.len() - rest;
+        self.is_plain = is_plain(self.text());
+        Some(header)
+    }
+}
+
+fn is_plain(text: &[u8]) -> bool {
+    memchr(b'"', text).is_none()
+        && memchr_iter(b'\r', text).all(|at| text.get(at + 1) == Some(&b'\n'))
+}
+
+/// Cuts a stream into blocks.
+#[derive(Debug)]
+pub(super) struct Blocks<R> {
+    reader: R,
+    /// Bytes in a block, about.
+    size: usize,
+    /// The start of a row whose end was not yet read.
+    rest: Vec<u8>,
+    line: u64,
+    has_ended: bool,
+}
+
+impl<R: Read> Blocks<R> {
+    /// Blocks of `size` bytes, or more where a row is longer.
+    pub(super) fn new(reader: R, size: usize) -> Self {
+        Self {
+            reader,
+            size,
+            rest: Vec::new(),
+            line: 1,
+            has_ended: false,
+        }
+    }
+
+    /// The next block; `None` at the end.
+    ///
+    /// # Errors
+    /// Those of the stream, and a row that has no end within 16 MiB.
+    pub(super) fn next(&mut self) -> io::Result<Option<Block>> {
+        let mut bytes = Vec::with_capacity(self.size.max(self.rest.len()) + 1);
+        bytes.append(&mut self.rest);
+        let mut size = self.size;
+        while !self.has_ended {
+            let wanted = size.saturating_sub(bytes.len()).max(1);
+            let read = (&mut self.reader)
+                .take(wanted as u64)
+                .read_to_end(&mut bytes)?;
+            self.has_ended = read < wanted;
+            if self.has_ended {
+                break;
+            }
+            if let Some(end) = last_row_end(&bytes) {
+                self.rest.extend_from_slice(&bytes[end..]);
+                bytes.truncate(end);
+                break;
+            }
+            if bytes.len() > LONGEST_ROW {
+                return Err(io::Error::new(
+                    io::ErrorKind::InvalidData,
+                    format!("line {} has no end within 16 MiB", self.line),
+                ));
+            }
+            size *= 2;
+        }
+        if bytes.is_empty() {
+            return Ok(None);
+        }
+        let first_line = self.line;
+        self.line += u64::from(lines(&bytes, &self.rest));
+        Ok(Some(Block::new(bytes, first_line)))
+    }
+
+    /// The stream, read to its end.
+    pub(super) fn into_inner(self) -> R {
+        self.reader
+    }
+}
+
+/// Where the last row ends that is whole for certain.
+fn last_row_end(bytes: &[u8]) -> Option<usize> {
+    // Up to a line feed before which nothing is quoted, every row is whole.
+    if let Some(at) = memrchr(b'\n', bytes)
+        && is_plain(&bytes[..=at])
+    {
+        return Some(at + 1);
+    }
+    let mut records = Records::new(bytes);
+    let mut last = None;
+    while records.next().is_some() && !records.rest().is_empty() {
+        last = Some(bytes.len() - records.rest().len());
+    }
+    last
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn texts(text: &str, size: usize) -> Vec<(u64, bool, String)> {
+        let mut blocks = Blocks::new(text.as_bytes(), size);
+        let mut all = Vec::new();
+        while let Some(block) = blocks.next().unwrap() {
+            let text = String::from_utf8(block.text().to_vec()).unwrap();
+            all.push((block.first_line, block.is_plain, text));
+        }
+        all
+    }
+
+    #[test]
+    fn blocks_hold_whole_rows() {
+        let block = |line, plain, text: &str| (line, plain, text.to_owned());
+        assert_eq!(
+            texts("a,b\r\n1,2\n\n34,5", 6),
+            [
+                block(1, true, "a,b\r\n"),
+                block(2, true, "1,2\n\n"),
+                block(4, true, "34,5\n")
+            ]
+        );
+        assert_eq!(
+            texts("a\n\"1\n2\"\n3\n4\n", 7),
+            [
+                block(1, true, "a\n"),
+                block(2, false, "\"1\n2\"\n"),
+                block(4, true, "3\n4\n")
+            ]
+        );
+        assert_eq!(
+            texts("a\rb\rc", 4),
+            [block(1, false, "a\r"), block(2, false, "b\rc")]
+        );
+    }
+
+    #[test]
+    fn a_row_without_end_is_refused_in_bounded_memory() {
+        let mut blocks = Blocks::new(io::repeat(b'1'), 1 << 20);
+        let error = blocks.next().unwrap_err().to_string();
+        assert_eq!(error, "line 1 has no end within 16 MiB");
+    }
+}

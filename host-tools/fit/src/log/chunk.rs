@@ -1,0 +1,51 @@
+//! Rows of a log, column by column.
+
+/// Some consecutive rows of a log.
+///
+/// Channels, and the axes of one after those of the other, stand in the order of [`Log`](super::Log).
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Chunk {
+    /// Time of each row \[s\], strictly increasing, also from chunk to chunk.
+    pub time_s: Vec<f64>,
+    /// For each channel, the temperature of each row \[degC\], as the core sees it.
+    pub temps_c: Vec<Vec<f32>>,
+    /// For each axis of each channel, the value of each row in the unit of its column.
+    pub axes: Vec<Vec<f64>>,
+}
+
+impl Chunk {
+    pub(super) fn with_capacity(channels: usize, axes: usize, rows: usize) -> Self {
+        Self {
+            time_s: Vec::with_capacity(rows),
+            temps_c: vec![Vec::with_capacity(rows); channels],
+            axes: vec![Vec::with_capacity(rows); axes],
+        }
+    }
+
+    /// Number of rows.
+    pub fn rows(&self) -> usize {
+        self.time_s.len()
+    }
+
+    /// Appends the rows of another chunk.
+    pub(super) fn append(&mut self, other: &Self) {
+        self.time_s.extend_from_slice(&other.time_s);
+        for (column, more) in self.temps_c.iter_mut().zip(&other.temps_c) {
+            column.extend_from_slice(more);
+        }
+        for (column, more) in self.axes.iter_mut().zip(&other.axes) {
+            column.extend_from_slice(more);
+        }
+    }
+
+    /// Leaves out the rows that are not to be kept.
+    pub(super) fn retain(&mut self, keep: &[bool]) {
+        fn retain<T>(column: &mut Vec<T>, keep: &[bool]) {
+            let mut keep = keep.iter();
+            column.retain(|_| keep.next().is_some_and(|&keep| keep));
+        }
+        retain(&mut self.time_s, keep);
+        self.temps_c.iter_mut().for_each(|c| retain(c, keep));
+        self.axes.iter_mut().for_each(|c| retain(c, keep));
+    }
+}

@@ -1,0 +1,316 @@
+//! Rows of a Parquet file.
+
+use std::fs::File;
+use std::path::Path;
+use std::sync::Arc;
+use std::thread::{self, JoinHandle};
+
+use parquet::basic::{ConvertedType, LogicalType, Type as PhysicalType};
+use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
+use parquet::data_type::DataType;
+use parquet::errors::ParquetError;
+use parquet::file::reader::{FileReader, SerializedFileReader};
+use parquet::schema::types::ColumnDescriptor;
+
+use super::LogError;
+use super::columns::Mapping;
+use super::layout::{Layout, RowKind};
+use super::order::{Bad, Parsed};
+use super::source::Source;
+
+/// The rows of a Parquet file, some at a time.
+pub(super) struct ParquetRows {
+    file: SerializedFileReader<File>,
+    layout: Arc<Layout>,
+    skip_bad_rows: bool,
+    rows_at_a_time: usize,
+    /// The next group of rows.
+    group: usize,
+    /// Rows of the open group that were not yet read.
+    rows_left: usize,
+    /// For each slot, the reader of its column in the open group.
+    readers: Vec<Column>,
+    /// Rows read so far.
+    row: u64,
+    /// A second reader of the file, since its rows are not read from front to end.
+    digest: Option<JoinHandle<std::io::Result<String>>>,
+}
+
+impl ParquetRows {
+    /// Reads the header.
+    ///
+    /// # Errors
+    /// A file that is not sound, columns that do not name time, temperature and axes, columns that
+    /// hold no numbers.
+    pub(super) fn open(
+        path: &Path,
+        source: Source,
+        mapping: &Mapping,
+        skip_bad_rows: bool,
+        rows_at_a_time: usize,
+    ) -> Result<(Self, Arc<Layout>), LogError> {
+        let file = File::open(path).map_err(LogError::io(path))?;
+        let file = SerializedFileReader::new(file).map_err(|cause| unsound(path, &cause))?;
+        let schema = file.metadata().file_metadata().schema_descr();
+        let header = schema.columns().iter().map(|column| column.path().string());
+        let layout = Layout::new(path, header.collect(), mapping, RowKind::Row)?;
+        for slot in &layout.slots {
+            let column = schema.column(slot.position);
+            if let Some(found) = no_number(&column) {
+                let name = &layout.header[slot.position];
+                return Err(LogError::file(
+                    path,
+                    format!("column `{name}` holds {found}: expected floats or integers"),
+                ));
+            }
+        }
+        let layout = Arc::new(layout);
+        let rows = Self {
+            file,
+            layout: Arc::clone(&layout),
+            skip_bad_rows,
+            rows_at_a_time,
+            group: 0,
+            rows_left: 0,
+            readers: Vec::new(),
+            row: 0,
+            digest: Some(thread::spawn(move || source.text()?.sha256())),
+        };
+        Ok((rows, layout))
+    }
+
+    /// The next rows, or the digest of the file at its end.
+    ///
+    /// # Errors
+    /// A file that is not sound.
+    pub(super) fn next(&mut self) -> Result<Result<Parsed, String>, LogError> {
+        let layout = Arc::clone(&self.layout);
+        let failed = |cause: ParquetError| unsound(&layout.path, &cause);
+        while self.rows_left == 0 {
+            if self.group == self.file.num_row_groups() {
+                let digest = self.digest.take().expect("a log ends once").join();
+                let digest = digest.expect("forming a digest cannot panic");
+                return Ok(Err(digest.map_err(LogError::io(&layout.path))?));
+            }
+            self.open_group().map_err(failed)?;
+        }
+        let rows = self.rows_left.min(self.rows_at_a_time);
+        for reader in &mut self.readers {
+            if reader.read(rows).map_err(failed)? != rows {
+                let message = "not a sound Parquet file: columns of different lengths";
+                return Err(LogError::file(&layout.path, message));
+            }
+        }
+        self.rows_left -= rows;
+        let parsed = self.checked(rows);
+        self.row += rows as u64;
+        Ok(Ok(parsed))
+    }
+
+    fn open_group(&mut self) -> Result<(), ParquetError> {
+        let group = self.file.get_row_group(self.group)?;
+        let schema = self.file.metadata().file_metadata().schema_descr();
+        self.rows_left = usize::try_from(group.metadata().num_rows()).unwrap_or(0);
+        self.readers = self
+            .layout
+            .slots
+            .iter()
+            .map(|slot| {
+                let reader = group.get_column_reader(slot.position)?;
+                Ok(Column::new(&schema.column(slot.position), reader))
+            })
+            .collect::<Result<_, ParquetError>>()?;
+        self.group += 1;
+        Ok(())
+    }
+
+    /// Checks the rows that were just read.
+    fn checked(&mut self, rows: usize) -> Parsed {
+        let mut parsed = Parsed {
+            chunk: self.layout.chunk(rows),
+            base: self.row + 1,
+            numbers: Vec::with_capacity(rows),
+            skipped: 0,
+            bad: None,
+        };
+        let mut values = vec![0.0; self.readers.len()];
+        for row in 0..rows {
+            match self.row(row, &mut values) {
+                Ok(()) => {
+                    self.layout.push(&mut parsed.chunk, &values);
+                    parsed.numbers.push(row as u32);
+                }
+                Err(_) if self.skip_bad_rows => parsed.skipped += 1,
+                Err(bad) => {
+                    parsed.bad = Some(*bad);
+                    break;
+                }
+            }
+        }
+        parsed
+    }
+
+    fn row(&self, row: usize, values: &mut [f64]) -> Result<(), Box<Bad>> {
+        let mut time_s = None;
+        for ((slot, reader), value) in self.layout.slots.iter().zip(&self.readers).zip(values) {
+            let objection = match reader.values[row] {
+                None => Some("null: expected a finite number".to_owned()),
+                Some(found) if !found.is_finite() => {
+                    Some(format!("`{found}`: expected a finite number"))
+                }
+                Some(found) => {
+                    *value = found;
+                    Layout::objection(slot.kind, found)
+                }
+            };
+            if let Some(message) = objection {
+                let number = self.row + 1 + row as u64;
+                return Err(Box::new(Bad {
+                    number,
+                    time_s,
+                    error: self.layout.cell_error(number, slot.position, message),
+                }));
+            }
+            time_s.get_or_insert(*value);
+        }
+        Ok(())
+    }
+}
+
+fn unsound(path: &Path, cause: &ParquetError) -> LogError {
+    LogError::file(
+        path,
+        format!("not a sound Parquet file (was it cut off?): {cause}"),
+    )
+}
+
+/// What a column holds, if that is not plain numbers.
+fn no_number(column: &ColumnDescriptor) -> Option<String> {
+    if column.path().parts().len() > 1 || column.max_rep_level() > 0 {
+        return Some("lists or structures".to_owned());
+    }
+    let logical = column.logical_type_ref();
+    match (column.physical_type(), logical, column.converted_type()) {
+        (PhysicalType::FLOAT | PhysicalType::DOUBLE, ..) => None,
+        (
+            PhysicalType::INT32 | PhysicalType::INT64,
+            None | Some(LogicalType::Integer { .. }),
+            ConvertedType::NONE
+            | ConvertedType::INT_8
+            | ConvertedType::INT_16
+            | ConvertedType::INT_32
+            | ConvertedType::INT_64
+            | ConvertedType::UINT_8
+            | ConvertedType::UINT_16
+            | ConvertedType::UINT_32
+            | ConvertedType::UINT_64,
+        ) => None,
+        (_, Some(logical), _) => Some(format!("values of the type {logical:?}")),
+        (physical, ..) => Some(format!("values of the type {physical}")),
+    }
+}
+
+/// A column of a group of rows.
+struct Column {
+    reader: Box<dyn ReadValues>,
+    /// The rows read last; `None` is a null.
+    values: Vec<Option<f64>>,
+}
+
+impl Column {
+    fn new(column: &ColumnDescriptor, reader: ColumnReader) -> Self {
+        let can_be_null = column.max_def_level() > 0;
+        let is_unsigned = matches!(
+            column.converted_type(),
+            ConvertedType::UINT_8
+                | ConvertedType::UINT_16
+                | ConvertedType::UINT_32
+                | ConvertedType::UINT_64
+        );
+        let reader: Box<dyn ReadValues> = match (reader, is_unsigned) {
+            (ColumnReader::FloatColumnReader(r), _) => typed(r, can_be_null, f64::from),
+            (ColumnReader::DoubleColumnReader(r), _) => typed(r, can_be_null, |value| value),
+            (ColumnReader::Int32ColumnReader(r), false) => typed(r, can_be_null, f64::from),
+            (ColumnReader::Int32ColumnReader(r), true) => {
+                typed(r, can_be_null, |value| f64::from(value as u32))
+            }
+            (ColumnReader::Int64ColumnReader(r), false) => {
+                typed(r, can_be_null, |value| value as f64)
+            }
+            (ColumnReader::Int64ColumnReader(r), true) => {
+                typed(r, can_be_null, |value| value as u64 as f64)
+            }
+            _ => unreachable!("columns were checked to hold numbers"),
+        };
+        Self {
+            reader,
+            values: Vec::new(),
+        }
+    }
+
+    /// Reads the next rows; returns how many there were.
+    fn read(&mut self, rows: usize) -> Result<usize, ParquetError> {
+        self.values.clear();
+        while self.values.len() < rows {
+            let wanted = rows - self.values.len();
+            if self.reader.read(wanted, &mut self.values)? == 0 {
+                break;
+            }
+        }
+        Ok(self.values.len())
+    }
+}
+
+/// Reads values of any type as doubles.
+trait ReadValues: Send {
+    /// Appends at most `rows` rows; returns how many.
+    fn read(&mut self, rows: usize, values: &mut Vec<Option<f64>>) -> Result<usize, ParquetError>;
+}
+
+struct Typed<T: DataType> {
+    reader: ColumnReaderImpl<T>,
+    can_be_null: bool,
+    to_f64: fn(T::T) -> f64,
+    levels: Vec<i16>,
+    present: Vec<T::T>,
+}
+
+fn typed<T: DataType>(
+    reader: ColumnReaderImpl<T>,
+    can_be_null: bool,
+    to_f64: fn(T::T) -> f64,
+) -> Box<dyn ReadValues>
+where
+    Typed<T>: ReadValues + 'static,
+{
+    Box::new(Typed {
+        reader,
+        can_be_null,
+        to_f64,
+        levels: Vec::new(),
+        present: Vec::new(),
+    })
+}
+
+impl<T: DataType> ReadValues for Typed<T>
+where
+    T::T: Copy,
+    ColumnReaderImpl<T>: Send,
+{
+    fn read(&mut self, rows: usize, values: &mut Vec<Option<f64>>) -> Result<usize, ParquetError> {
+        self.levels.clear();
+        self.present.clear();
+        let levels = self.can_be_null.then_some(&mut self.levels);
+        let (read, ..) = self
+            .reader
+            .read_records(rows, levels, None, &mut self.present)?;
+        let mut present = self.present.iter().map(|&value| (self.to_f64)(value));
+        if self.can_be_null {
+            let levels = self.levels.iter();
+            values.extend(levels.map(|&level| if level == 0 { None } else { present.next() }));
+        } else {
+            values.extend(present.map(Some));
+        }
+        Ok(read)
+    }
+}

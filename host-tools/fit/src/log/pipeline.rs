@@ -1,0 +1,152 @@
+//! Reads, digests and parses text on several threads, in memory that does not grow with the file.
+//!
+//! ```text
+//! one thread: read, digest, unpack, cut into blocks --> some threads: parse --> in order
+//! ```
+
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread;
+
+use super::LogError;
+use super::blocks::{Block, Blocks};
+use super::columns::Mapping;
+use super::layout::{Layout, RowKind};
+use super::order::Parsed;
+use super::rows;
+use super::source::{Format, Source, Text};
+
+/// Blocks under way at a time.
+const DEPTH: usize = 4;
+
+/// Threads that parse; beyond these the digest is what takes the time.
+const MOST_PARSERS: usize = 3;
+
+/// A block that is being parsed, or how reading ended: with the file's digest or an error.
+enum Item {
+    Parsing(Receiver<Parsed>),
+    Ended(Result<String, LogError>),
+}
+
+/// The rows of a text file, parsed block by block.
+pub(super) struct Pipeline {
+    items: Receiver<Item>,
+}
+
+impl Pipeline {
+    /// Reads the header and starts to read on.
+    ///
+    /// # Errors
+    /// An unreadable or empty file, a header that does not name the columns.
+    pub(super) fn start(
+        path: &Path,
+        source: Source,
+        mapping: &Mapping,
+        skip_bad_rows: bool,
+        block_bytes: usize,
+    ) -> Result<(Self, Arc<Layout>), LogError> {
+        let format = source.format;
+        let failed = |cause| format.error(path, cause);
+        let mut blocks = Blocks::new(source.text().map_err(failed)?, block_bytes);
+        let mut first = blocks.next().map_err(failed)?;
+        let header = first.as_mut().and_then(Block::take_header);
+        let (Some(first), Some(header)) = (first, header) else {
+            return Err(LogError::file(
+                path,
+                "the file is empty: expected a header such as `time_s,temp_c,x_dph` and rows",
+            ));
+        };
+        let header = header_names(path, header)?;
+        let layout = Arc::new(Layout::new(path, header, mapping, RowKind::Line)?);
+
+        let (items_in, items) = sync_channel(DEPTH);
+        let reader = BlockReader {
+            path: path.to_owned(),
+            format,
+            items: items_in,
+            jobs: start_parsers(&layout, skip_bad_rows),
+        };
+        thread::spawn(move || reader.run(first, blocks));
+        Ok((Self { items }, layout))
+    }
+
+    /// The next rows, or the digest of the file at its end.
+    ///
+    /// # Errors
+    /// Those of reading and unpacking.
+    pub(super) fn next(&mut self) -> Result<Result<Parsed, String>, LogError> {
+        const ALIVE: &str = "the threads of a pipeline end after it";
+        match self.items.recv().expect(ALIVE) {
+            Item::Parsing(parsed) => Ok(Ok(parsed.recv().expect(ALIVE))),
+            Item::Ended(digest) => Ok(Err(digest?)),
+        }
+    }
+}
+
+fn header_names(path: &Path, header: Vec<Vec<u8>>) -> Result<Vec<String>, LogError> {
+    let names = header
+        .into_iter()
+        .map(|name| match String::from_utf8(name) {
+            Ok(name) if !name.contains('\0') => Ok(name.trim().to_owned()),
+            _ => Err(LogError::line(
+                path,
+                1,
+                "the header is not UTF-8 text: expected column names such as `time_s,temp_c,x_dph`",
+            )),
+        });
+    names.collect()
+}
+
+type Job = (Block, Sender<Parsed>);
+
+/// Starts the threads that parse; they end when no more jobs can come.
+fn start_parsers(layout: &Arc<Layout>, skip_bad_rows: bool) -> SyncSender<Job> {
+    let (jobs_in, jobs) = sync_channel::<Job>(DEPTH);
+    let jobs = Arc::new(Mutex::new(jobs));
+    let cores = thread::available_parallelism().map_or(1, usize::from);
+    for _ in 0..cores.min(MOST_PARSERS) {
+        let (jobs, layout) = (Arc::clone(&jobs), Arc::clone(layout));
+        thread::spawn(move || {
+            loop {
+                let job = jobs.lock().unwrap_or_else(PoisonError::into_inner).recv();
+                let Ok((block, parsed)) = job else { break };
+                // Nobody waits any more if a row before was refused.
+                let _ = parsed.send(rows::parse(&layout, &block, skip_bad_rows));
+            }
+        });
+    }
+    jobs_in
+}
+
+struct BlockReader {
+    path: PathBuf,
+    format: Format,
+    items: SyncSender<Item>,
+    jobs: SyncSender<Job>,
+}
+
+impl BlockReader {
+    fn run(self, first: Block, mut blocks: Blocks<Text>) {
+        let mut next = Some(first);
+        while let Some(block) = next {
+            let (parsed_in, parsed) = channel();
+            let is_wanted = self.items.send(Item::Parsing(parsed)).is_ok();
+            if !is_wanted || self.jobs.send((block, parsed_in)).is_err() {
+                return;
+            }
+            next = match blocks.next() {
+                Ok(next) => next,
+                Err(cause) => {
+                    let error = self.format.error(&self.path, cause);
+                    let _ = self.items.send(Item::Ended(Err(error)));
+                    return;
+                }
+            };
+        }
+        let digest = blocks.into_inner().sha256();
+        let digest = digest.map_err(|cause| self.format.error(&self.path, cause));
+        // Nobody waits any more if a row before was refused.
+        let _ = self.items.send(Item::Ended(digest));
+    }
+}

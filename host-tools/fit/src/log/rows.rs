@@ -1,0 +1,210 @@
+//! Rows of text become numbers.
+
+use memchr::{memchr, memchr2};
+
+use super::LogError;
+use super::blocks::Block;
+use super::decimal;
+use super::layout::Layout;
+use super::order::{Bad, Parsed};
+use super::records::Records;
+
+/// Bytes that a row takes at least, about: room is made for so many rows.
+const BYTES_PER_ROW: usize = 16;
+
+/// Reads the rows of a block; stops at the first bad one unless bad rows are skipped.
+pub(super) fn parse(layout: &Layout, block: &Block, skip_bad_rows: bool) -> Parsed {
+    let capacity = block.text().len() / (BYTES_PER_ROW.max(4 * layout.header.len())) + 1;
+    let mut rows = Rows {
+        layout,
+        plan: plan(layout),
+        values: vec![0.0; layout.slots.len()],
+        skip_bad_rows,
+        parsed: Parsed {
+            chunk: layout.chunk(capacity),
+            base: block.first_line,
+            numbers: Vec::with_capacity(capacity),
+            skipped: 0,
+            bad: None,
+        },
+    };
+    match block.is_plain {
+        true => rows.plain(block.text()),
+        false => rows.quoted(block.text()),
+    }
+    rows.parsed
+}
+
+/// For each column of the file, the slots that it fills.
+fn plan(layout: &Layout) -> Vec<Vec<usize>> {
+    (0..layout.header.len())
+        .map(|position| {
+            let slots = layout.slots.iter().enumerate();
+            slots
+                .filter(|(_, slot)| slot.position == position)
+                .map(|(number, _)| number)
+                .collect()
+        })
+        .collect()
+}
+
+struct Rows<'a> {
+    layout: &'a Layout,
+    plan: Vec<Vec<usize>>,
+    /// The row being read: nothing is kept of a row with a bad cell.
+    values: Vec<f64>,
+    skip_bad_rows: bool,
+    parsed: Parsed,
+}
+
+impl Rows<'_> {
+    /// Rows without quotes, each ended by a line feed.
+    fn plain(&mut self, text: &[u8]) {
+        let (mut at, mut line) = (0, 0);
+        while at < text.len() {
+            let rest = &text[at..];
+            if let Some(length) = self.row(rest) {
+                self.keep(line);
+                at += length;
+            } else {
+                // Blank, bad or unusual: looked at cell by cell.
+                let end = memchr(b'\n', rest).unwrap_or(rest.len());
+                let row = rest[..end].strip_suffix(b"\r").unwrap_or(&rest[..end]);
+                if !row.is_empty() {
+                    let cells: Vec<&[u8]> = row.split(|&byte| byte == b',').collect();
+                    if !self.cells(line, &cells) {
+                        return;
+                    }
+                }
+                at += end + 1;
+            }
+            line += 1;
+        }
+    }
+
+    /// Rows of which some have quotes, or are ended by a carriage return alone.
+    fn quoted(&mut self, text: &[u8]) {
+        let mut records = Records::new(text);
+        while let Some((line, cells)) = records.next() {
+            if !self.cells(line, &cells) {
+                return;
+            }
+        }
+    }
+
+    /// Reads a good row at the start of `text` into `values` and returns its length with the line
+    /// feed; `None` if there is none.
+    #[inline]
+    fn row(&mut self, text: &[u8]) -> Option<usize> {
+        let mut at = 0;
+        let last = self.plan.len() - 1;
+        for (position, slots) in self.plan.iter().enumerate() {
+            let end = if position == last { b'\n' } else { b',' };
+            if slots.is_empty() {
+                at += memchr2(b',', b'\n', &text[at..])?;
+            } else {
+                let (value, next) = cell(text, at)?;
+                at = next;
+                for &slot in slots {
+                    if !Layout::accepts(self.layout.slots[slot].kind, value) {
+                        return None;
+                    }
+                    self.values[slot] = value;
+                }
+            }
+            if *text.get(at)? != end {
+                return None;
+            }
+            at += 1;
+        }
+        Some(at)
+    }
+
+    /// Keeps the row that was read.
+    #[inline]
+    fn keep(&mut self, line: u32) {
+        self.layout.push(&mut self.parsed.chunk, &self.values);
+        self.parsed.numbers.push(line);
+    }
+
+    /// Takes a row by its cells; returns whether to go on.
+    fn cells(&mut self, line: u32, cells: &[&[u8]]) -> bool {
+        match self.checked(line, cells) {
+            Ok(()) => self.keep(line),
+            Err(_) if self.skip_bad_rows => self.parsed.skipped += 1,
+            Err(bad) => {
+                self.parsed.bad = Some(*bad);
+                return false;
+            }
+        }
+        true
+    }
+
+    fn checked(&mut self, line: u32, cells: &[&[u8]]) -> Result<(), Box<Bad>> {
+        let layout = self.layout;
+        let number = self.parsed.base + u64::from(line);
+        let mut time_s = None;
+        let bad = |time_s, error| {
+            Err(Box::new(Bad {
+                number,
+                time_s,
+                error,
+            }))
+        };
+        if cells.len() != layout.header.len() {
+            let message = format!(
+                "{} cells, but the header has {} (a decimal comma, or a cut line?)",
+                cells.len(),
+                layout.header.len()
+            );
+            return bad(None, LogError::line(&layout.path, number, message));
+        }
+        for (value, slot) in self.values.iter_mut().zip(&layout.slots) {
+            let cell = cells[slot.position].trim_ascii();
+            let objection = match decimal::parse(cell) {
+                Some(parsed) => {
+                    *value = parsed;
+                    Layout::objection(slot.kind, parsed)
+                }
+                None => Some(not_a_number(cell)),
+            };
+            if let Some(message) = objection {
+                return bad(time_s, layout.cell_error(number, slot.position, message));
+            }
+            time_s.get_or_insert(*value);
+        }
+        Ok(())
+    }
+}
+
+/// Reads the cell at `at` of `text`; returns its value and where it ends.
+#[inline]
+fn cell(text: &[u8], at: usize) -> Option<(f64, usize)> {
+    if let Some((value, length)) = decimal::prefix(&text[at..])
+        && matches!(text.get(at + length), Some(b',' | b'\n'))
+    {
+        return Some((value, at + length));
+    }
+    unusual_cell(text, at)
+}
+
+/// A cell with blanks, an exponent, many digits, or before a carriage return.
+fn unusual_cell(text: &[u8], at: usize) -> Option<(f64, usize)> {
+    let end = at + memchr2(b',', b'\n', &text[at..])?;
+    let cell = text[at..end].trim_ascii();
+    let value = match decimal::prefix(cell) {
+        Some((value, length)) if length == cell.len() => value,
+        _ => decimal::parse(cell)?,
+    };
+    Some((value, end))
+}
+
+fn not_a_number(cell: &[u8]) -> String {
+    match cell {
+        [] => "an empty cell: expected a finite number".to_owned(),
+        _ => format!(
+            "`{}`: expected a finite number",
+            String::from_utf8_lossy(cell)
+        ),
+    }
+}

@@ -1,0 +1,139 @@
+//! A log as a stream of chunks.
+
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use super::chunk::Chunk;
+use super::columns::ChannelColumns;
+use super::layout::Layout;
+use super::order::TimeOrder;
+use super::parquet::ParquetRows;
+use super::pipeline::Pipeline;
+use super::source::{Format, Source};
+use super::{LogError, ReadOptions};
+
+/// Text parsed at a time.
+const BLOCK_BYTES: usize = 1 << 20;
+
+/// Rows of a table read at a time.
+const TABLE_ROWS: usize = 1 << 16;
+
+/// A log that is read in memory of a fixed size, however long it is.
+///
+/// Every cell is checked as by [`read_log`](super::read_log). Values are in the units of their
+/// columns: pulse counts become rates only when the median interval is known.
+pub struct LogStream {
+    rows: Rows,
+    layout: Arc<Layout>,
+    order: TimeOrder,
+    bytes: Option<u64>,
+    bytes_read: Arc<AtomicU64>,
+    sha256: Option<String>,
+}
+
+/// Where rows come from.
+enum Rows {
+    Text(Pipeline),
+    Parquet(Box<ParquetRows>),
+}
+
+impl LogStream {
+    /// Opens a log and reads its header. The format is told by the first bytes: Parquet, gzip and
+    /// zstd have their marks, everything else is CSV.
+    ///
+    /// # Errors
+    /// An unreadable or empty file, a header that does not name time, temperature and axes with
+    /// their units.
+    pub fn open(path: &Path, options: &ReadOptions) -> Result<Self, LogError> {
+        Self::open_in_parts(path, options, BLOCK_BYTES, TABLE_ROWS)
+    }
+
+    /// Opens a log to be read in parts of another size.
+    pub(super) fn open_in_parts(
+        path: &Path,
+        options: &ReadOptions,
+        block_bytes: usize,
+        table_rows: usize,
+    ) -> Result<Self, LogError> {
+        let source = Source::open(path).map_err(LogError::io(path))?;
+        let (bytes, bytes_read) = (source.bytes, Arc::clone(&source.bytes_read));
+        let (mapping, skip) = (&options.mapping, options.skip_bad_rows);
+        let (rows, layout) = if source.format == Format::Parquet {
+            let (rows, layout) = ParquetRows::open(path, source, mapping, skip, table_rows)?;
+            (Rows::Parquet(Box::new(rows)), layout)
+        } else {
+            let (rows, layout) = Pipeline::start(path, source, mapping, skip, block_bytes)?;
+            (Rows::Text(rows), layout)
+        };
+        Ok(Self {
+            rows,
+            layout,
+            order: TimeOrder::new(skip),
+            bytes,
+            bytes_read,
+            sha256: None,
+        })
+    }
+
+    /// The next rows; `None` at the end of the log.
+    ///
+    /// # Errors
+    /// The first thing that is wrong, with file, line and column, or row and column.
+    pub fn next_chunk(&mut self) -> Result<Option<Chunk>, LogError> {
+        if self.sha256.is_some() {
+            return Ok(None);
+        }
+        let next = match &mut self.rows {
+            Rows::Text(rows) => rows.next()?,
+            Rows::Parquet(rows) => rows.next()?,
+        };
+        match next {
+            Ok(parsed) => self.order.take(&self.layout, parsed).map(Some),
+            Err(sha256) => {
+                self.sha256 = Some(sha256);
+                Ok(None)
+            }
+        }
+    }
+
+    /// SHA-256 of the file's bytes, in hexadecimal, once the log was read to its end.
+    pub fn sha256(&self) -> Option<&str> {
+        self.sha256.as_deref()
+    }
+
+    /// Rows left out so far because skipping bad rows was asked for.
+    pub fn skipped_rows(&self) -> usize {
+        self.order.skipped
+    }
+
+    /// Bytes of the file that were read so far.
+    pub fn bytes_read(&self) -> u64 {
+        self.bytes_read.load(Ordering::Relaxed)
+    }
+
+    /// Length of the file; `None` of a pipe.
+    pub fn bytes(&self) -> Option<u64> {
+        self.bytes
+    }
+
+    /// Names of all columns.
+    pub(crate) fn header(&self) -> &[String] {
+        &self.layout.header
+    }
+
+    /// The columns of temperatures and axes, in the order of the chunks.
+    pub(crate) fn channels(&self) -> &[ChannelColumns] {
+        &self.layout.columns.channels
+    }
+
+    /// Columns that were neither mapped nor recognised.
+    pub(crate) fn ignored(&self) -> &[String] {
+        &self.layout.columns.ignored
+    }
+
+    /// A chunk to which others of this log can be appended.
+    pub(crate) fn empty_chunk(&self) -> Chunk {
+        self.layout.chunk(0)
+    }
+}

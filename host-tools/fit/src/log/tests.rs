@@ -1,0 +1,335 @@
+//! The same log from every format, however it is cut into parts.
+
+use std::fs::{self, File};
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use parquet::column::writer::ColumnWriter;
+use parquet::file::writer::SerializedFileWriter;
+use parquet::schema::parser::parse_message_type;
+use proptest::prelude::*;
+
+use super::{Chunk, LogError, LogStream, ReadOptions, read_log};
+
+/// Reads a log in parts of `size` bytes, or rows of a table.
+fn read_in_parts(path: &Path, size: usize, skip_bad_rows: bool) -> Result<Chunk, LogError> {
+    let options = ReadOptions {
+        skip_bad_rows,
+        ..ReadOptions::default()
+    };
+    let mut stream = LogStream::open_in_parts(path, &options, size, size)?;
+    let mut whole = stream.empty_chunk();
+    while let Some(chunk) = stream.next_chunk()? {
+        whole.append(&chunk);
+    }
+    assert_eq!(stream.sha256().unwrap().len(), 64);
+    assert_eq!(stream.bytes(), Some(stream.bytes_read()));
+    Ok(whole)
+}
+
+fn bits(chunk: &Chunk) -> Vec<u64> {
+    let temps = chunk.temps_c.iter().flatten().map(|t| t.to_bits().into());
+    let axes = chunk.axes.iter().flatten().map(|v| v.to_bits());
+    let times = chunk.time_s.iter().map(|v| v.to_bits());
+    times.chain(temps).chain(axes).collect()
+}
+
+/// A good log of two axes with values of many digits.
+fn good_csv(rows: usize) -> String {
+    let mut text = String::from("time_s,temp_c,x_dph,y_pulses\n");
+    for row in 0..rows {
+        let t = row as f64 * 0.1;
+        let temp_c = 20.0 + 30.0 * (t * 0.01).sin();
+        text.push_str(&format!(
+            "{t},{temp_c:.4},{:e},{}\n",
+            (t + 1.0).ln(),
+            row % 5
+        ));
+    }
+    text
+}
+
+fn write(folder: &Path, name: &str, bytes: &[u8]) -> PathBuf {
+    let path = folder.join(name);
+    fs::write(&path, bytes).unwrap();
+    path
+}
+
+fn gzip(bytes: &[u8]) -> Vec<u8> {
+    let mut encoder = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
+    encoder.write_all(bytes).unwrap();
+    encoder.finish().unwrap()
+}
+
+fn zstandard(bytes: &[u8]) -> Vec<u8> {
+    zstd::encode_all(bytes, 1).unwrap()
+}
+
+/// Writes rows as Parquet in groups of `group` rows; a NaN of `x_dph` becomes a null.
+fn parquet_of(path: &Path, rows: &Chunk, group: usize) {
+    let schema = "message log { required double time_s; required double temp_c; \
+                  optional double x_dph; required int32 y_pulses; }";
+    let schema = Arc::new(parse_message_type(schema).unwrap());
+    let file = File::create(path).unwrap();
+    let mut writer = SerializedFileWriter::new(file, schema, Arc::default()).unwrap();
+    for start in (0..rows.rows()).step_by(group) {
+        let range = start..rows.rows().min(start + group);
+        let mut columns = writer.next_row_group().unwrap();
+        let mut position = 0;
+        while let Some(mut column) = columns.next_column().unwrap() {
+            match (column.untyped(), position) {
+                (ColumnWriter::DoubleColumnWriter(column), 0) => {
+                    let values = &rows.time_s[range.clone()];
+                    column.write_batch(values, None, None).unwrap();
+                }
+                (ColumnWriter::DoubleColumnWriter(column), 1) => {
+                    let values = rows.temps_c[0][range.clone()].iter();
+                    let values: Vec<f64> = values.map(|&t| t.into()).collect();
+                    column.write_batch(&values, None, None).unwrap();
+                }
+                (ColumnWriter::DoubleColumnWriter(column), _) => {
+                    let values = &rows.axes[0][range.clone()];
+                    let levels: Vec<i16> = values.iter().map(|v| (!v.is_nan()).into()).collect();
+                    let values: Vec<f64> = values.iter().copied().filter(|v| !v.is_nan()).collect();
+                    column.write_batch(&values, Some(&levels), None).unwrap();
+                }
+                (ColumnWriter::Int32ColumnWriter(column), _) => {
+                    let values = rows.axes[1][range.clone()].iter();
+                    let values: Vec<i32> = values.map(|&v| v as i32).collect();
+                    column.write_batch(&values, None, None).unwrap();
+                }
+                _ => unreachable!("the schema has no other columns"),
+            }
+            column.close().unwrap();
+            position += 1;
+        }
+        columns.close().unwrap();
+    }
+    writer.close().unwrap();
+}
+
+#[test]
+fn packed_logs_and_tables_are_the_same_to_the_bit() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = good_csv(5000);
+    let half = text.len() / 2;
+    let (front, back) = text.as_bytes().split_at(half);
+    let plain = write(folder.path(), "log.csv", text.as_bytes());
+    let expected = read_in_parts(&plain, 1 << 20, false).unwrap();
+    assert_eq!(expected.rows(), 5000);
+    // The names say nothing: the first bytes do.
+    for (name, bytes) in [
+        ("gz.csv", gzip(text.as_bytes())),
+        ("members", [gzip(front), gzip(back)].concat()),
+        ("zst.csv", zstandard(text.as_bytes())),
+        ("frames", [zstandard(front), zstandard(back)].concat()),
+    ] {
+        let path = write(folder.path(), name, &bytes);
+        for size in [1000, 1 << 20] {
+            let read = read_in_parts(&path, size, false).unwrap();
+            assert_eq!(bits(&read), bits(&expected), "{name}");
+        }
+    }
+    let path = folder.path().join("parquet.csv");
+    parquet_of(&path, &expected, 1300);
+    for size in [7, 1000, 1 << 16] {
+        let read = read_in_parts(&path, size, false).unwrap();
+        assert_eq!(bits(&read), bits(&expected));
+    }
+    let log = read_log(&path, &ReadOptions::default()).unwrap();
+    assert_eq!(log.time_s, expected.time_s);
+    let digest = <sha2::Sha256 as sha2::Digest>::digest(fs::read(&path).unwrap());
+    assert_eq!(log.sha256, super::hex(&digest));
+}
+
+#[test]
+fn what_is_cut_off_or_spoilt_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = good_csv(5000);
+    let table = folder.path().join("table");
+    parquet_of(
+        &table,
+        &read_in_parts(
+            &write(folder.path(), "csv", text.as_bytes()),
+            1 << 20,
+            false,
+        )
+        .unwrap(),
+        5000,
+    );
+    for (whole, expected) in [
+        (
+            gzip(text.as_bytes()),
+            "the gzip data ends too early: was the file cut off?",
+        ),
+        (
+            zstandard(text.as_bytes()),
+            "the zstd data ends too early: was the file cut off?",
+        ),
+        (
+            fs::read(&table).unwrap(),
+            "not a sound Parquet file (was it cut off?)",
+        ),
+    ] {
+        for length in [4, 5, 11, whole.len() / 2, whole.len() - 1] {
+            let path = write(folder.path(), "cut", &whole[..length]);
+            let error = read_log(&path, &ReadOptions::default()).unwrap_err();
+            assert!(error.to_string().contains(expected), "{length}: {error}");
+        }
+    }
+    for (mut whole, expected) in [
+        (gzip(text.as_bytes()), "not sound gzip data"),
+        (zstandard(text.as_bytes()), "not sound zstd data"),
+    ] {
+        let middle = whole.len() / 2;
+        whole[middle..middle + 40].fill(0xa5);
+        let path = write(folder.path(), "spoilt", &whole);
+        let error = read_log(&path, &ReadOptions::default())
+            .unwrap_err()
+            .to_string();
+        // Spoilt data may unpack to spoilt text before the packing is found wrong.
+        assert!(
+            error.contains(expected) || error.contains("spoilt:"),
+            "{error}"
+        );
+    }
+    let path = write(folder.path(), "utf16", b"\xff\xfet\0i\0m\0e\0\n\0");
+    let error = read_log(&path, &ReadOptions::default())
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains(":1: the header is not UTF-8 text"),
+        "{error}"
+    );
+}
+
+#[test]
+fn bad_values_of_a_table_are_named_by_row_and_column() {
+    let folder = tempfile::tempdir().unwrap();
+    let csv = write(folder.path(), "csv", good_csv(100).as_bytes());
+    let good = read_in_parts(&csv, 1 << 20, false).unwrap();
+    let path = folder.path().join("t");
+    let refused = |spoil: fn(&mut Chunk)| {
+        let mut rows = good.clone();
+        spoil(&mut rows);
+        parquet_of(&path, &rows, 30);
+        let kept = read_in_parts(&path, 7, true).unwrap().rows();
+        let error = read_in_parts(&path, 7, false).unwrap_err().to_string();
+        (error.rsplit_once("/t: ").unwrap().1.to_owned(), kept)
+    };
+    for (spoil, error) in [
+        (
+            (|rows| rows.axes[0][40] = f64::NAN) as fn(&mut Chunk),
+            "row 41, column 3 `x_dph`: null: expected a finite number",
+        ),
+        (
+            |rows| rows.axes[0][40] = f64::INFINITY,
+            "row 41, column 3 `x_dph`: `inf`: expected a finite number",
+        ),
+        (
+            |rows| rows.temps_c[0][99] = 300.0,
+            "row 100, column 2 `temp_c`: 300: expected -100 to 200 degC (is it in kelvin?)",
+        ),
+        (
+            |rows| rows.time_s[35] = rows.time_s[34],
+            "row 36, column 1 `time_s`: 3.4000000000000004 s after 3.4000000000000004 s: expected \
+             time to increase",
+        ),
+    ] {
+        assert_eq!(refused(spoil), (error.to_owned(), 99));
+    }
+}
+
+#[test]
+fn quoted_cells_and_any_line_end_are_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let text =
+        "\"time_s\",\"temp_c\",note,x_dph\n0,20,plain,1\n\"1\",20,\"a, b\nc\",2\n\n2,20,,x\n";
+    let path = write(folder.path(), "q", text.as_bytes());
+    let error = read_in_parts(&path, 1 << 20, false)
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.ends_with("/q:6:4: column `x_dph`: `x`: expected a finite number"),
+        "{error}"
+    );
+    assert_eq!(read_in_parts(&path, 5, true).unwrap().time_s, [0.0, 1.0]);
+    for end in ["\n", "\r\n", "\r"] {
+        let text = ["time_s,temp_c,x_dph", "0,20,1", "", "1,20,2", "2,20,no"].join(end);
+        let path = write(folder.path(), "e", text.as_bytes());
+        for size in [1, 9, 1 << 20] {
+            let error = read_in_parts(&path, size, false).unwrap_err().to_string();
+            assert!(error.contains("/e:5:3:"), "{end:?} {size}: {error}");
+        }
+    }
+}
+
+/// Cells of every kind, in rows of every kind, most of them good.
+fn any_row() -> impl Strategy<Value = String> {
+    let number = prop_oneof![
+        8 => "-?[0-9]{1,3}\\.[0-9]{0,6}",
+        2 => " [0-9]{1,20}e-[0-9]{1,2} ",
+        1 => "\"[0-9]\"",
+        1 => "(nan|1e40|x|)",
+    ];
+    prop_oneof![
+        20 => (0.5..1.5, number).prop_map(|(step, value)| format!("{step},20.5,{value},any")),
+        1 => Just(String::new()),
+        1 => Just("1,2".to_owned()),
+        1 => Just("0,20.5,1,\"a \"\"b\"\"\n, c\"".to_owned()),
+    ]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(150))]
+    #[test]
+    fn a_log_is_the_same_in_parts_of_any_size(
+        rows in proptest::collection::vec(any_row(), 1..60),
+        end in prop_oneof![4 => Just("\n"), 2 => Just("\r\n"), 1 => Just("\r")],
+        last_end: bool,
+        size in 1_usize..300,
+    ) {
+        // Steps become times.
+        let mut time_s = 0.0;
+        let rows = rows.iter().map(|row| match row.split_once(',') {
+            Some((step, rest)) if rest.ends_with("any") => {
+                time_s += step.parse::<f64>().unwrap();
+                format!("{time_s},{rest}")
+            }
+            _ => row.clone(),
+        });
+        let header = "time_s,temp_c,x_dph,note".to_owned();
+        let mut text = std::iter::once(header).chain(rows).collect::<Vec<_>>().join(end);
+        if last_end {
+            text.push_str(end);
+        }
+        let folder = tempfile::tempdir().unwrap();
+        let path = write(folder.path(), "log.csv", text.as_bytes());
+        let outcome = |size, skip| match read_in_parts(&path, size, skip) {
+            Ok(chunk) => Ok(bits(&chunk)),
+            Err(error) => Err(error.to_string()),
+        };
+        prop_assert_eq!(outcome(size, false), outcome(1 << 20, false));
+        prop_assert_eq!(outcome(size, true), outcome(1 << 20, true));
+
+        // The numbers are those of a plain reader with the parser of the standard library.
+        let mut reader = csv::ReaderBuilder::new().flexible(true).from_reader(text.as_bytes());
+        let mut expected = Vec::new();
+        for record in reader.records().map(Result::unwrap) {
+            let number = |cell: usize| {
+                let value: f64 = record.get(cell)?.trim().parse().ok()?;
+                (value.abs() <= 1e20).then_some(value)
+            };
+            if record.len() == 4
+                && let (Some(time_s), Some(value)) = (number(0), number(2))
+                && expected.last().is_none_or(|&(before, _)| time_s > before)
+            {
+                expected.push((time_s, value));
+            }
+        }
+        let read = read_in_parts(&path, size, true).unwrap();
+        let read: Vec<_> = read.time_s.into_iter().zip(read.axes[0].iter().copied()).collect();
+        prop_assert_eq!(read, expected);
+    }
+}

@@ -1,0 +1,52 @@
+//! What users would write instead: pandas or polars with numpy, from PyPI.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::{Context, Result, ensure};
+use tempco_qemu::Workspace;
+
+/// Readers of CSV that `peers/fit.py` knows.
+pub(super) const PEERS: [&str; 2] = ["pandas", "polars"];
+
+/// The Python of the peers, installed below `target` if it is not yet.
+pub(super) fn install(workspace: &Workspace) -> Result<PathBuf> {
+    let folder = workspace.root().join("target/peers");
+    let bin = if cfg!(windows) { "Scripts" } else { "bin" };
+    let python = folder.join(bin).join("python");
+    let wanted = workspace
+        .root()
+        .join("host-tools/xtask/peers/requirements.txt");
+    let installed = folder.join("requirements.txt");
+    let is_there = std::fs::read(&installed)
+        .is_ok_and(|former| std::fs::read(&wanted).is_ok_and(|wanted| wanted == former));
+    if !is_there {
+        let done = |command: &mut Command| -> Result<()> {
+            let status = command.status().with_context(|| format!("{command:?}"))?;
+            ensure!(status.success(), "{command:?} ended with {status}");
+            Ok(())
+        };
+        done(Command::new("python3").args(["-m", "venv"]).arg(&folder))?;
+        let pip = [
+            "-m",
+            "pip",
+            "install",
+            "--quiet",
+            "--disable-pip-version-check",
+            "-r",
+        ];
+        done(Command::new(&python).args(pip).arg(&wanted))?;
+        std::fs::copy(&wanted, &installed)?;
+    }
+    Ok(python)
+}
+
+/// The command by which a peer does the job.
+pub(super) fn command(workspace: &Workspace, python: &Path, peer: &str, log: &Path) -> Command {
+    let mut command = Command::new(python);
+    command
+        .arg(workspace.root().join("host-tools/xtask/peers/fit.py"))
+        .arg(peer)
+        .arg(log);
+    command
+}
