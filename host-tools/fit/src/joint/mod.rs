@@ -12,6 +12,7 @@ mod layout;
 #[cfg(test)]
 mod reference;
 mod select;
+mod selection;
 mod solve;
 
 pub(crate) use basis::{Basis, RateForm, SparseRow, dot};
@@ -20,5 +21,5 @@ pub(crate) use fit::fit;
 pub(crate) use gram::Gram;
 pub(crate) use lag::FixedLag;
 pub use layout::Place;
-pub use select::{Candidate, HeldOutErrors, Selection};
 pub(crate) use select::{Choice, Chosen, Question};
+pub use selection::{Candidate, HeldOutErrors, Selection};

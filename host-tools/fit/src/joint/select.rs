@@ -1,6 +1,5 @@
 //! Chooses the model by what it does on soaks and ramps it was not fitted to.
 
-use serde::{Deserialize, Serialize};
 use tempco::{TableError, ThermalSettings};
 
 use crate::joint::basis::{RateForm, SparseRow};
@@ -9,6 +8,7 @@ use crate::joint::crossval::HeldOut;
 use crate::joint::folds::{Folds, LEAST_FOLDS};
 use crate::joint::lag::{FixedLag, Lag, Regressors, search};
 use crate::joint::layout::{Layout, MOST_SEGMENTS, Place};
+use crate::joint::selection::{Candidate, HeldOutErrors, Selection};
 use crate::regress::ChannelData;
 use crate::rfactor::RFactor;
 use crate::segment::{Overlap, Segmentation};
@@ -20,70 +20,6 @@ const SEARCH_SEGMENTS: usize = 8;
 
 /// The narrowest segment that is tried \[degC\].
 const LEAST_WIDTH_C: f64 = 4.0;
-
-/// A model as it stood to choice.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Candidate {
-    /// Form of the model.
-    pub model: Model,
-    /// Number of segments.
-    pub segments: usize,
-    /// Where the breakpoints are.
-    pub place: Place,
-    /// Coefficients of the rate terms of an axis, 0 where there are none.
-    pub rate_columns: usize,
-    /// Free coefficients of an axis.
-    pub columns: usize,
-    /// Time constant of the rate estimator \[s\].
-    pub tau_s: f64,
-    /// Shift of the effective temperature.
-    pub kappa: f64,
-    /// Held-out root mean square error of each axis \[unit of the axis\].
-    pub rmse: Vec<f64>,
-    /// How much larger the held-out mean square is than that of the best candidate, as a share,
-    /// mean of the axes.
-    pub excess: f64,
-    /// Standard error of `excess`.
-    pub excess_sigma: f64,
-}
-
-/// The choice among models.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Selection {
-    /// Soaks and ramps found in the logs.
-    pub legs: usize,
-    /// Parts in which they were left out.
-    pub folds: usize,
-    /// The chosen model.
-    pub chosen: Candidate,
-    /// The others, best first.
-    pub others: Vec<Candidate>,
-}
-
-/// Root mean square errors of blocks of ten seconds that were left out of the fit, by whole soaks
-/// and ramps \[unit of the axis\]. They contain the noise of the blocks. None where what remained
-/// could not be fitted.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct HeldOutErrors {
-    /// Soaks and ramps found in the logs.
-    pub legs: usize,
-    /// Parts in which they were left out.
-    pub folds: usize,
-    /// Without compensation.
-    pub none: f64,
-    /// One cubic in T.
-    pub cubic: Option<f64>,
-    /// The static model of the paper.
-    #[serde(rename = "static")]
-    pub static_model: Option<f64>,
-    /// The composite model of the paper.
-    pub composite: Option<f64>,
-    /// The fitted model.
-    pub chosen: Option<f64>,
-}
 
 /// The model that was fitted.
 pub(crate) enum Chosen {

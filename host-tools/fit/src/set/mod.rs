@@ -1,18 +1,21 @@
 //! The coefficient set: everything that was fitted, in f64, and the table that flies, in f32.
 
+mod axis;
 mod emit;
+mod provenance;
 mod table;
 
+pub use axis::{AxisSet, AxisStatistics, CoefficientSigmas, NoiseSet};
 pub use emit::{table_rs, write_files};
+pub use provenance::{Input, Provenance, SignOff};
 pub use table::TableData;
 
 use serde::{Deserialize, Serialize};
 
-use crate::joint::{HeldOutErrors, Selection};
-use crate::model::{Mismatch, Polynomial, mismatches};
+use crate::joint::Selection;
+use crate::model::{Mismatch, mismatches};
 use crate::screen::Screening;
 use crate::segment::{Overlap, Segment, SegmentError, Segmentation};
-use crate::unit::AxisUnit;
 
 /// Version of the JSON format; a reader refuses another one.
 pub const FORMAT_VERSION: u32 = 1;
@@ -42,56 +45,6 @@ pub struct CoefficientSet {
     /// Verdicts of verification logs, oldest first; the last one counts.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub sign_offs: Vec<SignOff>,
-}
-
-/// The verdict of a verification log on a set.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct SignOff {
-    /// Name of the log's file.
-    pub file: String,
-    /// SHA-256 of the log, in hexadecimal.
-    pub sha256: String,
-    /// Time of judging, RFC 3339, UTC.
-    pub judged: String,
-    /// Averaging time of the bias stabilities that were compared \[s\].
-    pub tau_s: f64,
-    /// Whether the compensation is better than none on every axis.
-    pub accepted: bool,
-    /// The axes on which it is not.
-    pub worse_axes: Vec<String>,
-}
-
-/// Where a set comes from.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Provenance {
-    /// Program and version.
-    pub tool: String,
-    /// Time of making, RFC 3339, UTC.
-    pub created: String,
-    /// The files it was made from.
-    pub inputs: Vec<Input>,
-}
-
-/// A file that went into a set.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Input {
-    /// Name without folders.
-    pub file: String,
-    /// SHA-256 in hexadecimal.
-    pub sha256: String,
-    /// Rows read.
-    pub rows: usize,
-    /// Rows left out for bad cells, on request.
-    pub skipped_rows: usize,
-    /// Rows that were not fitted because the core did not believe their temperature or interval.
-    pub unusable_rows: usize,
-    /// Median time between rows \[s\].
-    pub interval_s: f64,
-    /// Time from the first row to the last \[s\].
-    pub duration_s: f64,
 }
 
 /// What was asked of the fit.
@@ -198,127 +151,6 @@ pub struct Coverage {
     /// Spread of the rate: root mean square of the part that the temperature does not tell
     /// \[degC/min\]. This is what the rate terms are found from.
     pub rate_independent_c_per_min: f64,
-}
-
-/// One axis as fitted.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct AxisSet {
-    /// Name.
-    pub name: String,
-    /// Unit of the bias.
-    pub unit: AxisUnit,
-    /// The polynomial of each segment.
-    pub polynomials: Vec<Polynomial>,
-    /// Standard deviations of the coefficients of each polynomial; empty in an imported set.
-    #[serde(default)]
-    pub sigmas: Vec<CoefficientSigmas>,
-    /// What remains after a spline model, as noise; none of other models, whose residuals are not
-    /// taken apart.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub noise: Option<NoiseSet>,
-    /// Errors on soaks and ramps that were left out of the fit; none in an imported set.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub held_out: Option<HeldOutErrors>,
-    /// How well the set does on the logs it was fitted to; none in an imported set.
-    pub statistics: Option<AxisStatistics>,
-}
-
-/// White noise and random walk that account for the residuals of a fit.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct NoiseSet {
-    /// Standard deviation of means over ten seconds \[unit of the axis\].
-    pub white: f64,
-    /// Growth of the random walk \[unit of the axis per square root of an hour\].
-    pub walk: f64,
-}
-
-/// Standard deviations (1 sigma) of the coefficients of a
-/// [`Polynomial`], in its basis; 0 for terms that were not fitted.
-///
-/// Of static and composite models, those of least squares, which hold for white residuals, times
-/// the [`serial_factor`](AxisStatistics::serial_factor) of the axis; of splines, those under the
-/// [`noise`](AxisSet::noise) of the axis.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct CoefficientSigmas {
-    /// Of the static coefficients, lowest power first \[unit of the axis\].
-    pub a: [f64; 3],
-    /// Of the rate coefficients, lowest power first \[unit of the axis per degC/min\].
-    pub r: [f64; 2],
-    /// Correlations of `a0 a1 a2 r0 r1`, row by row; 0 with a term that was not fitted.
-    #[serde(default)]
-    pub correlation: [[f64; 5]; 5],
-}
-
-impl CoefficientSigmas {
-    /// From the leading coefficients of `1, z, z^2, T', z T'`.
-    pub(crate) fn new(sigmas: &[f64], correlations: &[Vec<f64>]) -> Self {
-        let at = |term: usize| sigmas.get(term).copied().unwrap_or(0.0);
-        let correlation = |i: usize, j: usize| {
-            let row = correlations.get(i);
-            row.and_then(|row| row.get(j)).copied().unwrap_or(0.0)
-        };
-        Self {
-            a: [at(0), at(1), at(2)],
-            r: [at(3), at(4)],
-            correlation: std::array::from_fn(|i| std::array::from_fn(|j| correlation(i, j))),
-        }
-    }
-
-    /// From the covariance of `a0 a1 a2 r0 r1`.
-    pub(crate) fn from_covariance(covariance: [[f64; 5]; 5]) -> Self {
-        let sigmas: [f64; 5] = std::array::from_fn(|i| covariance[i][i].max(0.0).sqrt());
-        let correlation = |i: usize, j: usize| match sigmas[i] * sigmas[j] {
-            0.0 => 0.0,
-            product => covariance[i][j] / product,
-        };
-        let [a0, a1, a2, r0, r1] = sigmas;
-        Self {
-            a: [a0, a1, a2],
-            r: [r0, r1],
-            correlation: std::array::from_fn(|i| std::array::from_fn(|j| correlation(i, j))),
-        }
-    }
-
-    pub(crate) fn scale(&mut self, factor: f64) {
-        for sigma in self.a.iter_mut().chain(&mut self.r) {
-            *sigma *= factor;
-        }
-    }
-}
-
-/// Figures of an axis over the fitted logs \[unit of the axis\].
-///
-/// `rmse` figures are of single rows, `sigma` figures of means over `tau_s`; each about the mean
-/// of the log it belongs to. `cubic` is one cubic in T, fitted to the same rows for comparison.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct AxisStatistics {
-    /// Rows.
-    pub rows: usize,
-    /// RMS without compensation.
-    pub rmse_raw: f64,
-    /// RMS with the cubic.
-    pub rmse_cubic: f64,
-    /// RMS with the emitted table, applied by the core.
-    pub rmse_compensated: f64,
-    /// Averaging time \[s\].
-    pub tau_s: f64,
-    /// Number of means.
-    pub n: usize,
-    /// Bias stability at `tau_s` without compensation.
-    pub sigma_raw: f64,
-    /// Bias stability at `tau_s` with the cubic.
-    pub sigma_cubic: f64,
-    /// Bias stability at `tau_s` with the emitted table, applied by the core.
-    pub sigma_compensated: f64,
-    /// Standard deviation of the means of what remains, over that of means of as many independent
-    /// rows: above 1 where neighbouring residuals resemble each other, below 1 where counting
-    /// whole pulses sets them apart. None where there are too few means to tell.
-    #[serde(default)]
-    pub serial_factor: Option<f64>,
 }
 
 impl CoefficientSet {

@@ -1,0 +1,70 @@
+//! What a choice among models leaves in the set: the candidates and their held-out errors.
+
+use serde::{Deserialize, Serialize};
+
+use crate::joint::layout::Place;
+use crate::set::Model;
+
+/// A model as it stood to choice.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Candidate {
+    /// Form of the model.
+    pub model: Model,
+    /// Number of segments.
+    pub segments: usize,
+    /// Where the breakpoints are.
+    pub place: Place,
+    /// Coefficients of the rate terms of an axis, 0 where there are none.
+    pub rate_columns: usize,
+    /// Free coefficients of an axis.
+    pub columns: usize,
+    /// Time constant of the rate estimator \[s\].
+    pub tau_s: f64,
+    /// Shift of the effective temperature.
+    pub kappa: f64,
+    /// Held-out root mean square error of each axis \[unit of the axis\].
+    pub rmse: Vec<f64>,
+    /// How much larger the held-out mean square is than that of the best candidate, as a share,
+    /// mean of the axes.
+    pub excess: f64,
+    /// Standard error of `excess`.
+    pub excess_sigma: f64,
+}
+
+/// The choice among models.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Selection {
+    /// Soaks and ramps found in the logs.
+    pub legs: usize,
+    /// Parts in which they were left out.
+    pub folds: usize,
+    /// The chosen model.
+    pub chosen: Candidate,
+    /// The others, best first.
+    pub others: Vec<Candidate>,
+}
+
+/// Root mean square errors of blocks of ten seconds that were left out of the fit, by whole soaks
+/// and ramps \[unit of the axis\]. They contain the noise of the blocks. None where what remained
+/// could not be fitted.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct HeldOutErrors {
+    /// Soaks and ramps found in the logs.
+    pub legs: usize,
+    /// Parts in which they were left out.
+    pub folds: usize,
+    /// Without compensation.
+    pub none: f64,
+    /// One cubic in T.
+    pub cubic: Option<f64>,
+    /// The static model of the paper.
+    #[serde(rename = "static")]
+    pub static_model: Option<f64>,
+    /// The composite model of the paper.
+    pub composite: Option<f64>,
+    /// The fitted model.
+    pub chosen: Option<f64>,
+}

@@ -1,0 +1,128 @@
+//! One axis of a set: its polynomials, how well they are known, and how well they do.
+
+use serde::{Deserialize, Serialize};
+
+use crate::joint::HeldOutErrors;
+use crate::model::Polynomial;
+use crate::unit::AxisUnit;
+
+/// One axis as fitted.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct AxisSet {
+    /// Name.
+    pub name: String,
+    /// Unit of the bias.
+    pub unit: AxisUnit,
+    /// The polynomial of each segment.
+    pub polynomials: Vec<Polynomial>,
+    /// Standard deviations of the coefficients of each polynomial; empty in an imported set.
+    #[serde(default)]
+    pub sigmas: Vec<CoefficientSigmas>,
+    /// What remains after a spline model, as noise; none of other models, whose residuals are not
+    /// taken apart.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub noise: Option<NoiseSet>,
+    /// Errors on soaks and ramps that were left out of the fit; none in an imported set.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub held_out: Option<HeldOutErrors>,
+    /// How well the set does on the logs it was fitted to; none in an imported set.
+    pub statistics: Option<AxisStatistics>,
+}
+
+/// White noise and random walk that account for the residuals of a fit.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct NoiseSet {
+    /// Standard deviation of means over ten seconds \[unit of the axis\].
+    pub white: f64,
+    /// Growth of the random walk \[unit of the axis per square root of an hour\].
+    pub walk: f64,
+}
+
+/// Standard deviations (1 sigma) of the coefficients of a
+/// [`Polynomial`], in its basis; 0 for terms that were not fitted.
+///
+/// Of static and composite models, those of least squares, which hold for white residuals, times
+/// the [`serial_factor`](AxisStatistics::serial_factor) of the axis; of splines, those under the
+/// [`noise`](AxisSet::noise) of the axis.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CoefficientSigmas {
+    /// Of the static coefficients, lowest power first \[unit of the axis\].
+    pub a: [f64; 3],
+    /// Of the rate coefficients, lowest power first \[unit of the axis per degC/min\].
+    pub r: [f64; 2],
+    /// Correlations of `a0 a1 a2 r0 r1`, row by row; 0 with a term that was not fitted.
+    #[serde(default)]
+    pub correlation: [[f64; 5]; 5],
+}
+
+impl CoefficientSigmas {
+    /// From the leading coefficients of `1, z, z^2, T', z T'`.
+    pub(crate) fn new(sigmas: &[f64], correlations: &[Vec<f64>]) -> Self {
+        let at = |term: usize| sigmas.get(term).copied().unwrap_or(0.0);
+        let correlation = |i: usize, j: usize| {
+            let row = correlations.get(i);
+            row.and_then(|row| row.get(j)).copied().unwrap_or(0.0)
+        };
+        Self {
+            a: [at(0), at(1), at(2)],
+            r: [at(3), at(4)],
+            correlation: std::array::from_fn(|i| std::array::from_fn(|j| correlation(i, j))),
+        }
+    }
+
+    /// From the covariance of `a0 a1 a2 r0 r1`.
+    pub(crate) fn from_covariance(covariance: [[f64; 5]; 5]) -> Self {
+        let sigmas: [f64; 5] = std::array::from_fn(|i| covariance[i][i].max(0.0).sqrt());
+        let correlation = |i: usize, j: usize| match sigmas[i] * sigmas[j] {
+            0.0 => 0.0,
+            product => covariance[i][j] / product,
+        };
+        let [a0, a1, a2, r0, r1] = sigmas;
+        Self {
+            a: [a0, a1, a2],
+            r: [r0, r1],
+            correlation: std::array::from_fn(|i| std::array::from_fn(|j| correlation(i, j))),
+        }
+    }
+
+    pub(crate) fn scale(&mut self, factor: f64) {
+        for sigma in self.a.iter_mut().chain(&mut self.r) {
+            *sigma *= factor;
+        }
+    }
+}
+
+/// Figures of an axis over the fitted logs \[unit of the axis\].
+///
+/// `rmse` figures are of single rows, `sigma` figures of means over `tau_s`; each about the mean
+/// of the log it belongs to. `cubic` is one cubic in T, fitted to the same rows for comparison.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct AxisStatistics {
+    /// Rows.
+    pub rows: usize,
+    /// RMS without compensation.
+    pub rmse_raw: f64,
+    /// RMS with the cubic.
+    pub rmse_cubic: f64,
+    /// RMS with the emitted table, applied by the core.
+    pub rmse_compensated: f64,
+    /// Averaging time \[s\].
+    pub tau_s: f64,
+    /// Number of means.
+    pub n: usize,
+    /// Bias stability at `tau_s` without compensation.
+    pub sigma_raw: f64,
+    /// Bias stability at `tau_s` with the cubic.
+    pub sigma_cubic: f64,
+    /// Bias stability at `tau_s` with the emitted table, applied by the core.
+    pub sigma_compensated: f64,
+    /// Standard deviation of the means of what remains, over that of means of as many independent
+    /// rows: above 1 where neighbouring residuals resemble each other, below 1 where counting
+    /// whole pulses sets them apart. None where there are too few means to tell.
+    #[serde(default)]
+    pub serial_factor: Option<f64>,
+}

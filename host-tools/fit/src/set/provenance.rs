@@ -1,0 +1,53 @@
+//! Where a set comes from, and what it was judged on.
+
+use serde::{Deserialize, Serialize};
+
+/// The verdict of a verification log on a set.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SignOff {
+    /// Name of the log's file.
+    pub file: String,
+    /// SHA-256 of the log, in hexadecimal.
+    pub sha256: String,
+    /// Time of judging, RFC 3339, UTC.
+    pub judged: String,
+    /// Averaging time of the bias stabilities that were compared \[s\].
+    pub tau_s: f64,
+    /// Whether the compensation is better than none on every axis.
+    pub accepted: bool,
+    /// The axes on which it is not.
+    pub worse_axes: Vec<String>,
+}
+
+/// Where a set comes from.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Provenance {
+    /// Program and version.
+    pub tool: String,
+    /// Time of making, RFC 3339, UTC.
+    pub created: String,
+    /// The files it was made from.
+    pub inputs: Vec<Input>,
+}
+
+/// A file that went into a set.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Input {
+    /// Name without folders.
+    pub file: String,
+    /// SHA-256 in hexadecimal.
+    pub sha256: String,
+    /// Rows read.
+    pub rows: usize,
+    /// Rows left out for bad cells, on request.
+    pub skipped_rows: usize,
+    /// Rows that were not fitted because the core did not believe their temperature or interval.
+    pub unusable_rows: usize,
+    /// Median time between rows \[s\].
+    pub interval_s: f64,
+    /// Time from the first row to the last \[s\].
+    pub duration_s: f64,
+}
