@@ -7,7 +7,6 @@ use tempco_fit::apply::apply;
 use tempco_fit::fit::{Fit, FitOptions, fit};
 use tempco_fit::log::{Log, ReadOptions, read_log};
 use tempco_fit::rfactor::RFactor;
-use tempco_fit::segment::Overlap;
 use tempco_fit::set::Model;
 use tempco_fit::thermal_points;
 use tempco_tests::{Bench, shared};
@@ -180,17 +179,8 @@ fn one_part_of_the_chamber_cycle_does_not_spoil_the_other() {
         let cubic = cubic(&train, &judge);
         for model in [Model::Spline, Model::Auto] {
             let options = FitOptions {
-                serial: "REAL".to_owned(),
-                model,
-                overlap: Overlap::Linear,
-                segments: None,
-                thermal: ThermalSettings::DEFAULT,
-                rate_tau_s: None,
-                kappa: None,
-                exclude: Vec::new(),
-                robust: true,
-                scale_factor_arcsec: None,
                 tau_s: 10.114,
+                ..FitOptions::new("REAL", model)
             };
             let Fit { set, remarks } = fit(std::slice::from_ref(&train), &options).unwrap();
             let applied = apply(&set, &judge).unwrap();

@@ -2,7 +2,6 @@
 
 mod worlds;
 
-use tempco::ThermalSettings;
 use tempco_fit::apply::apply;
 use tempco_fit::fit::{FitOptions, fit};
 use tempco_fit::segment::Overlap;
@@ -14,17 +13,9 @@ const PAPER_SEGMENTS: &str = "-15:15,5:35,25:60,50:80";
 fn options(model: Model) -> FitOptions {
     let paper = matches!(model, Model::Static | Model::Composite);
     FitOptions {
-        serial: "SIMULATED".to_owned(),
-        model,
         overlap: Overlap::Smooth,
         segments: paper.then(|| PAPER_SEGMENTS.parse().unwrap()),
-        thermal: ThermalSettings::DEFAULT,
-        rate_tau_s: None,
-        kappa: None,
-        exclude: Vec::new(),
-        robust: true,
-        scale_factor_arcsec: None,
-        tau_s: 100.0,
+        ..FitOptions::new("SIMULATED", model)
     }
 }
 

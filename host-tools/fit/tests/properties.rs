@@ -13,17 +13,8 @@ use worlds::{Programme, Random, World, simulate};
 
 fn options(model: Model) -> FitOptions {
     FitOptions {
-        serial: "SIMULATED".to_owned(),
-        model,
         overlap: Overlap::Smooth,
-        segments: None,
-        thermal: ThermalSettings::DEFAULT,
-        rate_tau_s: None,
-        kappa: None,
-        exclude: Vec::new(),
-        robust: true,
-        scale_factor_arcsec: None,
-        tau_s: 100.0,
+        ..FitOptions::new("SIMULATED", model)
     }
 }
 

@@ -1,13 +1,12 @@
 //! How far a unit is from the others, undisturbed by those that are far.
 
+use crate::screen::SIGMA_PER_MAD;
+
 /// Units whose |z| is above this are outliers (Iglewicz and Hoaglin, 1993).
 pub const OUTLIER_Z: f64 = 3.5;
 
 /// Fewer units than this say nothing about what is usual.
 pub const LEAST_UNITS: usize = 5;
-
-/// Standard deviation of a normal distribution over its median absolute deviation.
-const SIGMA_PER_MAD: f64 = 1.4826;
 
 /// Standard deviation of a normal distribution over its mean absolute deviation.
 const SIGMA_PER_MEAN_DEVIATION: f64 = 1.2533;

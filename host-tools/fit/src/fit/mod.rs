@@ -54,6 +54,26 @@ pub struct FitOptions {
     pub tau_s: f64,
 }
 
+impl FitOptions {
+    /// A robust fit over the measured range with the core's default settings, blended linearly,
+    /// judged at 100 s.
+    pub fn new(serial: &str, model: Model) -> Self {
+        Self {
+            serial: serial.to_owned(),
+            model,
+            overlap: Overlap::Linear,
+            segments: None,
+            thermal: ThermalSettings::DEFAULT,
+            rate_tau_s: None,
+            kappa: None,
+            exclude: Vec::new(),
+            robust: true,
+            scale_factor_arcsec: None,
+            tau_s: 100.0,
+        }
+    }
+}
+
 /// A fitted set and what its user should know of it.
 #[derive(Clone, Debug)]
 pub struct Fit {

@@ -105,7 +105,7 @@ fn median(values: &mut [f64]) -> f64 {
 }
 
 /// Standard deviation of normal values over their median distance from the median.
-const SIGMA_PER_MAD: f64 = 1.4826;
+pub(crate) const SIGMA_PER_MAD: f64 = 1.4826;
 
 /// Standard deviation of white noise over the median distance of neighbours.
 const SIGMA_PER_STEP: f64 = 1.0 / 0.9539;

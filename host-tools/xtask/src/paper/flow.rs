@@ -1,7 +1,6 @@
 //! The paper's calibration, on a simulated unit.
 
 use anyhow::{Context, Result};
-use tempco::ThermalSettings;
 use tempco_fit::fit::{FitOptions, fit};
 use tempco_fit::log::{Axis, Channel, Log};
 use tempco_fit::metrics::evaluate;
@@ -114,17 +113,10 @@ fn simulate(unit: &Unit, profile: &Profile, seed: u64) -> Result<Log> {
 fn calibrate(logs: &[Log], model: Model, overlap: Overlap) -> Result<CoefficientSet> {
     let segments: Segmentation = SEGMENTS.parse().context("the paper's segments")?;
     let options = FitOptions {
-        serial: "PAPER".to_owned(),
-        model,
         overlap,
         segments: Some(segments),
-        thermal: ThermalSettings::DEFAULT,
-        rate_tau_s: None,
-        kappa: None,
-        exclude: Vec::new(),
-        robust: true,
-        scale_factor_arcsec: None,
         tau_s: TAU_S,
+        ..FitOptions::new("PAPER", model)
     };
     Ok(fit(logs, &options)?.set)
 }
