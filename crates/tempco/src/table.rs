@@ -18,6 +18,10 @@ const MAX_COEFFICIENT: f32 = 1e20;
 /// the cold edge and `a[0] + a[1] + a[2]` the bias at the hot edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(
+    feature = "zerocopy",
+    derive(zerocopy::FromBytes, zerocopy::IntoBytes, zerocopy::Immutable)
+)]
 #[repr(C)]
 pub struct Terms {
     /// Bias at zero rate: `a[0] + a[1] z + a[2] z^2` \[unit of the axis\].

@@ -2,13 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Error, Result, ensure};
 use clap::ValueEnum;
 use tempco::ThermalSettings;
 use tempco_fit::Stretch;
 use tempco_fit::fit::{Fit, FitOptions, fit};
 use tempco_fit::segment::{Overlap, Segmentation};
-use tempco_fit::set::{CoefficientSet, Model, table_rs, write_files};
+use tempco_fit::set::{CoefficientSet, Model, table_bin, table_h, table_rs, write_files};
 
 use crate::Verdict;
 use crate::batch;
@@ -18,7 +18,8 @@ use crate::shared_args::LogArgs;
 
 /// Fit a coefficient set to one or more chamber logs of a unit
 ///
-/// Writes DIR/coefficients.json and DIR/table.rs, both or neither. With --batch, every unit found in a
+/// Writes DIR/coefficients.json, and the table for firmware as DIR/table.bin (flash image),
+/// DIR/table.rs and DIR/table.h: all of them or none. With --batch, every unit found in a
 /// folder: DIR/SERIAL/ for each, DIR/summary.csv and DIR/summary.html; a unit that fails is in the
 /// summary with its error and makes the exit code 1, the others are fitted all the same.
 #[derive(clap::Args)]
@@ -160,10 +161,12 @@ fn options(args: &Args) -> FitOptions {
 /// Writes the files of a set, all or none.
 pub(crate) fn write_set(out: &Path, set: &CoefficientSet) -> Result<()> {
     let json = serde_json::to_string_pretty(set)? + "\n";
-    let rust = table_rs(set);
+    let image = table_bin(set).map_err(Error::msg)?;
     let files = [
         ("coefficients.json", json.as_bytes()),
-        ("table.rs", rust.as_bytes()),
+        ("table.bin", &image),
+        ("table.rs", table_rs(set).as_bytes()),
+        ("table.h", table_h(set).as_bytes()),
     ];
     write_files(out, &files).context("nothing was written")
 }
@@ -227,9 +230,8 @@ fn summarise(set: &CoefficientSet, args: &Args) -> Result<()> {
     print(table(&header, rows))?;
     print(format_args!(
         "on the fitted logs: RMSE of single rows, sigma of {} s means; cubic: one cubic in T on the \
-         same rows\nwrote {} and {}",
+         same rows\nwrote coefficients.json, table.bin, table.rs and table.h in {}",
         args.tau,
-        args.out.join("coefficients.json").display(),
-        args.out.join("table.rs").display()
+        args.out.display()
     ))
 }

@@ -2,27 +2,40 @@
 
 use std::path::PathBuf;
 
-use anyhow::Result;
+use anyhow::{Result, ensure};
 use tempco_fit::load_set;
 use tempco_fit::set::{ChannelSet, MISMATCH_ALARM};
 
 use crate::Verdict;
+use crate::image;
 use crate::output::{figure, print, table};
 use crate::set_tables::{show_choice, show_coverage};
 
 /// Show a coefficient set: segments, ranges, mismatches, jumps, CRC, provenance
 ///
 /// Also reads printed static coefficients from CSV (gyro, segment, temp_min_c, temp_max_c,
-/// a0_pulses, ...). Exits with 1 where neighbouring segments disagree by more than half of the
-/// axis's bias range, or where the set is marked as rejected.
+/// a0_pulses, ...), and flash images, which it can compare with the set they are made from. Exits
+/// with 1 where neighbouring segments disagree by more than half of the
+/// axis's bias range, or where the set is marked as rejected,
+/// and where an image is not that of the set.
 #[derive(clap::Args)]
 pub(crate) struct Args {
-    /// Coefficient set (coefficients.json, or printed coefficients as .csv)
+    /// Coefficient set (coefficients.json, or printed coefficients as .csv) or flash image (.bin)
     #[arg(value_name = "SET")]
     set: PathBuf,
+    /// Of a flash image: the coefficients.json it should be made from
+    #[arg(long, value_name = "SET")]
+    against: Option<PathBuf>,
 }
 
 pub(crate) fn run(args: &Args) -> Result<Verdict> {
+    if args.set.extension().is_some_and(|name| name == "bin") {
+        return image::inspect(&args.set, args.against.as_deref());
+    }
+    ensure!(
+        args.against.is_none(),
+        "--against: expected with a flash image (.bin) only"
+    );
     let set = load_set(&args.set)?;
     print(format_args!(
         "unit {}, {} model, {} overlap, table CRC-32P4 {}",

@@ -6,6 +6,7 @@ mod apply;
 mod batch;
 mod evaluate;
 mod fit;
+mod image;
 mod inspect;
 mod output;
 mod progress;

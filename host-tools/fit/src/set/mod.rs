@@ -1,12 +1,16 @@
 //! The coefficient set: everything that was fitted, in f64, and the table that flies, in f32.
 
 mod axis;
+mod c_header;
 mod emit;
+mod image;
 mod provenance;
 mod table;
 
 pub use axis::{AxisSet, AxisStatistics, CoefficientSigmas, NoiseSet};
+pub use c_header::table_h;
 pub use emit::{table_rs, write_files};
+pub use image::table_bin;
 pub use provenance::{Input, Provenance, SignOff};
 pub use table::TableData;
 

@@ -1,0 +1,91 @@
+//! One temperature channel of an image: settings, grid and cells.
+
+use tempco::{Table, TableError, Terms, Thermal, ThermalSettings};
+
+use crate::{ImageError, MAX_AXES, Unit};
+
+/// A bias may jump by this share of the magnitudes that are added up for it and still count as
+/// continuous: coefficients in f32 cannot all meet exactly.
+const JUMP_TOLERANCE: f32 = 1.0 / (1 << 20) as f32;
+
+/// The axes that share a temperature; not validated.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Channel<'a> {
+    /// Settings of the thermal path.
+    pub thermal: ThermalSettings,
+    /// Cold edge of the first cell \[degC\].
+    pub first_edge_c: f32,
+    /// Hot edge of the last cell \[degC\].
+    pub last_edge_c: f32,
+    /// Cold end of the calibrated range \[degC\].
+    pub t_min_c: f32,
+    /// Hot end of the calibrated range \[degC\].
+    pub t_max_c: f32,
+    /// Unit of each axis, then `None`.
+    pub units: [Option<Unit>; MAX_AXES],
+    /// The axes of the coldest cell, then those of the next.
+    pub cells: &'a [Terms],
+}
+
+impl<'a> Channel<'a> {
+    /// Number of axes.
+    pub fn axes(&self) -> usize {
+        self.units.iter().map_while(|unit| *unit).count()
+    }
+
+    /// The core's table, with the cells borrowed.
+    ///
+    /// # Errors
+    /// What the core refuses; [`TableError::CellCount`] also where the cells are not of `AXES`
+    /// axes.
+    pub fn table<const AXES: usize>(&self) -> Result<Table<'a, AXES>, TableError> {
+        let (cells, rest) = self.cells.as_chunks::<AXES>();
+        if !rest.is_empty() {
+            return Err(TableError::CellCount);
+        }
+        let thermal = Thermal::new(self.thermal)?;
+        Table::new(thermal, self.first_edge_c, self.last_edge_c, cells)?
+            .calibrated(self.t_min_c, self.t_max_c)
+    }
+
+    /// The first cell, with the axis, behind which the bias jumps: at its hot edge, at the lowest,
+    /// zero or highest rate, by more than rounding of the coefficients to f32 can explain.
+    pub fn jump(&self) -> Option<(usize, usize)> {
+        let axes = self.axes();
+        let neighbours = self.cells.iter().zip(self.cells.get(axes..)?);
+        let position = neighbours.into_iter().position(|(cold, hot)| {
+            let rates = [
+                0.0,
+                self.thermal.rate_min_c_per_min,
+                self.thermal.rate_max_c_per_min,
+            ];
+            rates.into_iter().any(|rate| jumps(cold, hot, rate))
+        })?;
+        Some((position.checked_div(axes)?, position.checked_rem(axes)?))
+    }
+
+    /// As [`table`](Self::table), for any number of axes: what it would refuse.
+    pub(crate) fn check(&self, channel: usize) -> Result<(), ImageError> {
+        let checked = match self.axes() {
+            1 => self.table::<1>().map(drop),
+            2 => self.table::<2>().map(drop),
+            3 => self.table::<3>().map(drop),
+            4 => self.table::<4>().map(drop),
+            5 => self.table::<5>().map(drop),
+            6 => self.table::<6>().map(drop),
+            _ => return Err(ImageError::Shape),
+        };
+        checked.map_err(|error| ImageError::Table { channel, error })
+    }
+}
+
+fn jumps(cold: &Terms, hot: &Terms, rate_c_per_min: f32) -> bool {
+    let magnitude = |terms: &Terms| {
+        let [a0, a1, a2] = terms.a.map(f32::abs);
+        let [r0, r1] = terms.r.map(f32::abs);
+        a0 + a1 + a2 + rate_c_per_min.abs() * (r0 + r1)
+    };
+    let jump = hot.bias(0.0, rate_c_per_min) - cold.bias(1.0, rate_c_per_min);
+    let limit = JUMP_TOLERANCE * (magnitude(cold) + magnitude(hot));
+    jump.abs() > limit
+}

@@ -1,0 +1,110 @@
+//! Why an image was refused.
+
+use core::fmt;
+
+use tempco::TableError;
+
+/// Why an image was refused, or could not be written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum ImageError {
+    /// The bytes end within the image.
+    Short {
+        /// Bytes that were there.
+        given: usize,
+        /// Bytes that the image needs.
+        needed: usize,
+    },
+    /// The bytes are no image.
+    Magic,
+    /// The layout has another major version.
+    Format {
+        /// The version it says.
+        major: u16,
+    },
+    /// The equations have another major version.
+    Model {
+        /// The version it says.
+        major: u16,
+    },
+    /// The CRC of the header does not belong to it.
+    Header,
+    /// The CRC of a block does not belong to it.
+    Crc {
+        /// Number of the block of 4092 bytes.
+        block: usize,
+    },
+    /// The named field is out of range or does not agree with the others.
+    Field(&'static str),
+    /// The image is of another unit.
+    Serial,
+    /// The channel does not exist or has another number of axes than was asked for.
+    Shape,
+    /// The image asks for history terms that this program does not have.
+    History {
+        /// Play terms it asks for.
+        plays: u8,
+        /// Lag terms it asks for.
+        lags: u8,
+    },
+    /// The core refuses settings, grid or cells of a channel.
+    Table {
+        /// Number of the channel.
+        channel: usize,
+        /// Why.
+        error: TableError,
+    },
+    /// The bias jumps at the hot edge of a cell of an image marked as continuous.
+    Jump {
+        /// Number of the channel.
+        channel: usize,
+        /// Number of the cell.
+        cell: usize,
+        /// Number of the axis.
+        axis: usize,
+    },
+    /// The bytes do not lie at an address divisible by 4.
+    Alignment,
+}
+
+impl fmt::Display for ImageError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::Short { given, needed } => {
+                write!(f, "{given} bytes, but the image needs {needed}")
+            }
+            Self::Magic => f.write_str("not a table image"),
+            Self::Format { major } => {
+                write!(f, "layout version {major}, expected {}", crate::FORMAT.0)
+            }
+            Self::Model { major } => {
+                write!(f, "model version {major}, expected {}", crate::MODEL.0)
+            }
+            Self::Header => f.write_str("the CRC of the header is wrong: it was damaged"),
+            Self::Crc { block } => {
+                write!(f, "the CRC of block {block} is wrong: it was damaged")
+            }
+            Self::Field(name) => write!(f, "field {name} is out of range or does not agree"),
+            Self::Serial => f.write_str("the image is of another unit"),
+            Self::Shape => f.write_str("not the expected channels and axes"),
+            Self::History { plays, lags } => write!(
+                f,
+                "{plays} play and {lags} lag terms are asked for, which this program does not have"
+            ),
+            Self::Table { channel, error } => write!(f, "channel {channel}: {error}"),
+            Self::Jump {
+                channel,
+                cell,
+                axis,
+            } => write!(
+                f,
+                "the bias jumps behind cell {cell} (channel {channel}, axis {axis}), but the image \
+                 is marked as continuous"
+            ),
+            Self::Alignment => f.write_str("the image does not lie at an address divisible by 4"),
+        }
+    }
+}
+
+impl core::error::Error for ImageError {}

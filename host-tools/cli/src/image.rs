@@ -1,0 +1,116 @@
+//! Shows a flash image, and compares it with the set it should be made from.
+
+use std::fs;
+use std::path::Path;
+
+use anyhow::{Context, Error, Result, ensure};
+use tempco_fit::load_set;
+use tempco_fit::set::table_bin;
+use tempco_image::{AlignedBytes, Channel, Image, Unit};
+
+use crate::Verdict;
+use crate::output::print;
+
+/// No image is longer.
+const MOST_BYTES: usize = 1 << 18;
+
+pub(crate) fn inspect(path: &Path, against: Option<&Path>) -> Result<Verdict> {
+    let name = path.display();
+    let bytes = fs::read(path).with_context(|| name.to_string())?;
+    ensure!(
+        bytes.len() <= MOST_BYTES,
+        "{name}: {} bytes: expected a flash image of at most {MOST_BYTES}",
+        bytes.len()
+    );
+    // The cells are used in place, which takes an aligned place.
+    let mut place = Box::new(AlignedBytes([0; MOST_BYTES]));
+    place.0[..bytes.len()].copy_from_slice(&bytes);
+    let checked = Image::read(&place.0[..bytes.len()])
+        .and_then(|image| image.validate().map(|()| image))
+        .with_context(|| name.to_string())?;
+    ensure!(
+        checked.bytes().len() == bytes.len(),
+        "{name}: {} bytes behind the image of {}",
+        bytes.len() - checked.bytes().len(),
+        checked.bytes().len()
+    );
+    show(&checked)?;
+    let Some(set) = against else {
+        return Ok(Verdict::Acceptable);
+    };
+    let same = table_bin(&load_set(set)?).map_err(Error::msg)? == bytes;
+    if same {
+        print(format_args!("the image is that of {}", set.display()))?;
+    } else {
+        eprintln!("{name} is not the image of {}", set.display());
+    }
+    Ok(Verdict::of(same))
+}
+
+fn show(image: &Image) -> Result<()> {
+    let (format, model, info) = (image.format(), image.model(), image.info());
+    print(format_args!(
+        "unit {}, table CRC-32P4 {:08x}\nflash image, layout {}.{}, model {}.{}, {} bytes in {} \
+         block(s), all CRCs right, {}",
+        info.serial,
+        info.table_crc,
+        format.0,
+        format.1,
+        model.0,
+        model.1,
+        image.bytes().len(),
+        image.blocks(),
+        if info.continuous {
+            "continuous"
+        } else {
+            "with jumps between cells"
+        }
+    ))?;
+    (0..image.channels()).try_for_each(|number| show_channel(number, &image.channel(number)?))
+}
+
+fn show_channel(number: usize, channel: &Channel) -> Result<()> {
+    let s = &channel.thermal;
+    let units: Vec<&str> = channel
+        .units
+        .iter()
+        .flatten()
+        .map(|unit| symbol(*unit))
+        .collect();
+    print(format_args!(
+        "\nchannel {number}: calibrated {} to {} degC and {} to {} degC/min; {} cells from {} to {} \
+         degC; axes in {}",
+        channel.t_min_c,
+        channel.t_max_c,
+        s.rate_min_c_per_min,
+        s.rate_max_c_per_min,
+        channel.cells.len() / units.len(),
+        channel.first_edge_c,
+        channel.last_edge_c,
+        units.join(", "),
+    ))?;
+    print(format_args!(
+        "  rate estimator tau {} s, kappa {}; sensor {} to {} degC, spike gate {} degC, slew {} \
+         degC/min, hold {} s, heal {} s, reference {} degC",
+        s.tau_s,
+        s.kappa,
+        s.sensor_min_c,
+        s.sensor_max_c,
+        s.spike_gate_c,
+        s.max_slew_c_per_min,
+        s.hold_s,
+        s.heal_s,
+        s.reference_c,
+    ))
+}
+
+const fn symbol(unit: Unit) -> &'static str {
+    match unit {
+        Unit::Dph => "deg/h",
+        Unit::Dps => "deg/s",
+        Unit::Radps => "rad/s",
+        Unit::PulsesPerS => "pulses/s",
+        Unit::Mps2 => "m/s^2",
+        Unit::G => "g",
+    }
+}

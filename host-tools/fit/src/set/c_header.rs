@@ -1,0 +1,146 @@
+//! The table as a C header, for firmware in C: the same numbers as in `table.rs`.
+
+use std::fmt::Write as _;
+
+use super::table::named;
+use super::{ChannelSet, CoefficientSet};
+
+/// Type definitions, guarded on their own, so that tables of several units can be included.
+const TYPES: &str = r#"#ifndef TEMPCO_TABLE_TYPES
+#define TEMPCO_TABLE_TYPES
+
+/* Coefficients of one axis in one cell, lowest power first, with z from 0 at the cold edge of the
+   cell to 1 at its hot edge: bias = a[0] + a[1] z + a[2] z^2 + rate (r[0] + r[1] z). */
+typedef struct {
+    float a[3]; /* unit of the axis */
+    float r[2]; /* unit of the axis per degC/min */
+} tempco_terms_t;
+
+/* Settings of the thermal path. */
+typedef struct {
+    SETTINGS} tempco_thermal_t;
+
+/* One temperature channel. */
+typedef struct {
+    tempco_thermal_t thermal;
+    float first_edge_c; /* cold edge of the first cell */
+    float last_edge_c;  /* hot edge of the last cell; all cells have the same width */
+    float t_min_c;      /* calibrated range, to which temperatures are clamped */
+    float t_max_c;
+    uint32_t cell_count;
+    const tempco_terms_t *cells; /* all axes of the coldest cell, then those of the next */
+} tempco_channel_t;
+
+#endif
+"#;
+
+/// The tables of a set as C99: `static const` structures with the numbers of `table.rs`.
+pub fn table_h(set: &CoefficientSet) -> String {
+    let mut text = String::new();
+    write_table_h(&mut text, set).expect("writing to a String cannot fail");
+    text
+}
+
+fn write_table_h(out: &mut String, set: &CoefficientSet) -> std::fmt::Result {
+    let channels = &set.channels;
+    let axes = channels[0].axes.len();
+    let guard = format!("TEMPCO_TABLE_{:08X}", set.crc32());
+    writeln!(
+        out,
+        "/* Coefficient table, written by {}. Do not edit. */\n",
+        set.provenance.tool
+    )?;
+    writeln!(
+        out,
+        "#ifndef {guard}\n#define {guard}\n\n#include <stdint.h>\n"
+    )?;
+    let fields = named(&channels[0].table.thermal).map(|(name, _)| format!("float {name};\n"));
+    writeln!(out, "{}", TYPES.replace("SETTINGS", &(fields.join("    "))))?;
+    writeln!(out, "#define TEMPCO_SERIAL {}", literal(&set.serial))?;
+    writeln!(out, "#define TEMPCO_CRC 0x{:08x}u", set.crc32())?;
+    writeln!(out, "#define TEMPCO_CHANNELS {}", channels.len())?;
+    writeln!(out, "#define TEMPCO_AXES {axes}\n")?;
+    for (number, channel) in channels.iter().enumerate() {
+        for (axis, data) in channel.axes.iter().enumerate() {
+            let name = literal(&data.name);
+            let unit = literal(data.unit.name());
+            writeln!(out, "#define TEMPCO_AXIS_NAME_{number}_{axis} {name}")?;
+            writeln!(out, "#define TEMPCO_AXIS_UNIT_{number}_{axis} {unit}")?;
+        }
+        writeln!(out)?;
+        write_cells(out, number, channel)?;
+    }
+    writeln!(
+        out,
+        "static const tempco_channel_t tempco_channels[TEMPCO_CHANNELS] = {{"
+    )?;
+    for (number, channel) in channels.iter().enumerate() {
+        write_channel(out, number, channel)?;
+    }
+    writeln!(out, "}};\n\n#endif")
+}
+
+fn write_cells(out: &mut String, number: usize, channel: &ChannelSet) -> std::fmt::Result {
+    let cells = &channel.table.cells;
+    writeln!(
+        out,
+        "static const tempco_terms_t tempco_cells_{number}[{} * TEMPCO_AXES] = {{",
+        cells.len()
+    )?;
+    for [a0, a1, a2, r0, r1] in cells.iter().flatten() {
+        writeln!(
+            out,
+            "    {{{{{a0:?}f, {a1:?}f, {a2:?}f}}, {{{r0:?}f, {r1:?}f}}}},"
+        )?;
+    }
+    writeln!(out, "}};\n")
+}
+
+fn write_channel(out: &mut String, number: usize, channel: &ChannelSet) -> std::fmt::Result {
+    let table = &channel.table;
+    writeln!(out, "    {{\n        {{")?;
+    for (name, value) in named(&table.thermal) {
+        writeln!(out, "            {value:?}f, /* {name} */")?;
+    }
+    writeln!(out, "        }},")?;
+    let temps = [
+        table.first_edge_c,
+        table.last_edge_c,
+        table.t_min_c,
+        table.t_max_c,
+    ];
+    let temps = temps.map(|temp_c| format!("{temp_c:?}f"));
+    writeln!(
+        out,
+        "        {},\n        {},\n        tempco_cells_{number},\n    }},",
+        temps.join(", "),
+        table.cells.len()
+    )
+}
+
+/// A C string literal; whatever is not plain ASCII becomes octal escapes, which, unlike
+/// hexadecimal ones, end after three digits.
+fn literal(text: &str) -> String {
+    let mut quoted = String::from("\"");
+    for byte in text.bytes() {
+        match byte {
+            // A question mark could begin a trigraph.
+            b'"' | b'\\' | b'?' => quoted.extend(['\\', byte.into()]),
+            b' '..=b'~' => quoted.push(byte.into()),
+            _ => quoted.push_str(&format!("\\{byte:03o}")),
+        }
+    }
+    quoted + "\""
+}
+
+#[cfg(test)]
+mod tests {
+    use super::literal;
+
+    #[test]
+    fn strings_cannot_end_early() {
+        assert_eq!(literal("SN 7"), "\"SN 7\"");
+        assert_eq!(literal("a\"b\\c"), "\"a\\\"b\\\\c\"");
+        assert_eq!(literal("\u{e9}1\n??/"), "\"\\303\\2511\\012\\?\\?/\"");
+    }
+}

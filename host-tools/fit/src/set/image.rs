@@ -1,0 +1,77 @@
+//! The set as a flash image, `table.bin`; its layout is in `docs/flash-image.md`.
+
+use tempco::Terms;
+use tempco_image::{AlignedBytes, Channel, Image, Info, Unit, encode, encoded_len};
+
+use super::CoefficientSet;
+use crate::unit::AxisUnit;
+
+/// Most bytes of an image: six axes of the most cells, each its own channel, with room for heads.
+const MOST_BYTES: usize = 6 * (72 + 20 * tempco::MAX_CELLS) + 256;
+
+const fn code(unit: AxisUnit) -> Unit {
+    match unit {
+        AxisUnit::Dph => Unit::Dph,
+        AxisUnit::Dps => Unit::Dps,
+        AxisUnit::Radps => Unit::Radps,
+        AxisUnit::PulsesPerS => Unit::PulsesPerS,
+        AxisUnit::Mps2 => Unit::Mps2,
+        AxisUnit::G => Unit::G,
+    }
+}
+
+/// The tables of a set as an image that its reader accepts; marked as continuous where no table
+/// has a jump.
+///
+/// # Errors
+/// A serial number that an image cannot hold.
+pub fn table_bin(set: &CoefficientSet) -> Result<Vec<u8>, String> {
+    let cells: Vec<Vec<Terms>> = set
+        .channels
+        .iter()
+        .map(|channel| {
+            let axes = 0..channel.axes.len();
+            let by_axis: Vec<_> = axes.map(|axis| channel.table.terms::<1>(axis)).collect();
+            (0..channel.table.cells.len())
+                .flat_map(|cell| by_axis.iter().map(move |cells| cells[cell][0]))
+                .collect()
+        })
+        .collect();
+    let channels: Vec<Channel> = set
+        .channels
+        .iter()
+        .zip(&cells)
+        .map(|(channel, cells)| {
+            let units: Vec<Unit> = channel.axes.iter().map(|axis| code(axis.unit)).collect();
+            Channel {
+                thermal: channel.table.thermal,
+                first_edge_c: channel.table.first_edge_c,
+                last_edge_c: channel.table.last_edge_c,
+                t_min_c: channel.table.t_min_c,
+                t_max_c: channel.table.t_max_c,
+                units: Unit::array(&units),
+                cells,
+            }
+        })
+        .collect();
+    let info = Info {
+        serial: &set.serial,
+        table_crc: set.crc32(),
+        continuous: channels.iter().all(|channel| channel.jump().is_none()),
+    };
+    let explain = |error: tempco_image::ImageError| match error {
+        tempco_image::ImageError::Field("serial") => format!(
+            "serial number {:?}: expected 1 to {} bytes without control characters",
+            set.serial,
+            tempco_image::SERIAL_LEN
+        ),
+        other => format!("table.bin: {other}"),
+    };
+    let mut image = Box::new(AlignedBytes([0; MOST_BYTES]));
+    debug_assert!(encoded_len(&channels) <= MOST_BYTES);
+    let len = encode(&info, &channels, &mut image.0).map_err(explain)?;
+    let image = &image.0[..len];
+    let read = Image::read(image).and_then(|read| read.validate());
+    read.map_err(explain)?;
+    Ok(image.to_vec())
+}
