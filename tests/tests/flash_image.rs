@@ -10,9 +10,11 @@ use tempco_tests::Bench;
 fn fitted(model: &str) -> Bench {
     let bench = Bench::new();
     bench.ok("simulate --unit paper --profile short --seed 5 --out log.csv");
-    bench.ok(&format!(
+    // Whether neighbouring segments agree (exit code 0 or 1) is not the matter here.
+    let ran = bench.run(&format!(
         "fit log.csv --serial SN?7 --out set --segments 6:30,20:45 {model}"
     ));
+    assert!(ran.code < 2, "{}", ran.err);
     bench
 }
 

@@ -75,7 +75,7 @@ mod tests {
     }
 
     /// The generator with its leading term; the bit of a power is the power.
-    const GENERATOR: u64 = 1 << 32 | 0xf4ac_fb13;
+    const GENERATOR: u64 = (1 << 32) | 0xf4ac_fb13;
     const WORD_BITS: usize = 8 * (BLOCK_LEN + 4);
 
     /// Remainders of the powers of x.
@@ -83,7 +83,7 @@ mod tests {
         let mut powers = std::vec![1_u64];
         for i in 1..=WORD_BITS {
             let power = powers[i - 1] << 1;
-            powers.push(power ^ (power >> 32) * GENERATOR);
+            powers.push(power ^ ((power >> 32) * GENERATOR));
         }
         powers.into_iter().map(|power| power as u32).collect()
     }
@@ -112,7 +112,7 @@ mod tests {
             seen[(sum >> 6) as usize] |= 1 << (sum & 63);
             for b in 1..c - 1 {
                 let sum = powers[b] ^ powers[c];
-                if seen[(sum >> 6) as usize] >> (sum & 63) & 1 == 1 {
+                if (seen[(sum >> 6) as usize] >> (sum & 63)) & 1 == 1 {
                     first = Some(c);
                     break 'search;
                 }

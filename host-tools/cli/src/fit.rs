@@ -162,11 +162,12 @@ fn options(args: &Args) -> FitOptions {
 pub(crate) fn write_set(out: &Path, set: &CoefficientSet) -> Result<()> {
     let json = serde_json::to_string_pretty(set)? + "\n";
     let image = table_bin(set).map_err(Error::msg)?;
+    let (rust, c) = (table_rs(set), table_h(set));
     let files = [
         ("coefficients.json", json.as_bytes()),
         ("table.bin", &image),
-        ("table.rs", table_rs(set).as_bytes()),
-        ("table.h", table_h(set).as_bytes()),
+        ("table.rs", rust.as_bytes()),
+        ("table.h", c.as_bytes()),
     ];
     write_files(out, &files).context("nothing was written")
 }

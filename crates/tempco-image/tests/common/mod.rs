@@ -4,13 +4,13 @@
 use tempco::{Terms, ThermalSettings};
 use tempco_image::{AlignedBytes, BLOCK_LEN, CRC, Channel, Info, Unit, contents_len, encode};
 
-pub type Bytes = AlignedBytes<512>;
+pub(crate) type Bytes = AlignedBytes<512>;
 
-pub const HEADER_LEN: usize = 72;
-pub const CHANNEL_LEN: usize = 72;
+pub(crate) const HEADER_LEN: usize = 72;
+pub(crate) const CHANNEL_LEN: usize = 72;
 
 /// Two cells of one axis that meet at 20 degC.
-pub const CELLS: [Terms; 2] = [
+pub(crate) const CELLS: [Terms; 2] = [
     Terms {
         a: [-0.5, 0.75, 0.0],
         r: [0.5, 0.0],
@@ -21,13 +21,13 @@ pub const CELLS: [Terms; 2] = [
     },
 ];
 
-pub const INFO: Info = Info {
+pub(crate) const INFO: Info = Info {
     serial: "SN7",
     table_crc: 0x1234_abcd,
     continuous: true,
 };
 
-pub fn channel<'a>(cells: &'a [Terms], units: &[Unit]) -> Channel<'a> {
+pub(crate) fn channel<'a>(cells: &'a [Terms], units: &[Unit]) -> Channel<'a> {
     Channel {
         thermal: ThermalSettings::DEFAULT,
         first_edge_c: -40.0,
@@ -40,14 +40,14 @@ pub fn channel<'a>(cells: &'a [Terms], units: &[Unit]) -> Channel<'a> {
 }
 
 /// The image of the worked example and its length.
-pub fn example() -> (Bytes, usize) {
+pub(crate) fn example() -> (Bytes, usize) {
     let mut bytes = AlignedBytes([0; 512]);
     let len = encode(&INFO, &[channel(&CELLS, &[Unit::Dph])], &mut bytes.0).unwrap();
     (bytes, len)
 }
 
 /// Makes all CRCs right again.
-pub fn reseal(image: &mut [u8]) {
+pub(crate) fn reseal(image: &mut [u8]) {
     let crc = CRC.checksum(&image[..HEADER_LEN - 4]);
     image[HEADER_LEN - 4..HEADER_LEN].copy_from_slice(&crc.to_le_bytes());
     let (contents, crcs) = image.split_at_mut(contents_len(image.len()).unwrap());
@@ -57,7 +57,7 @@ pub fn reseal(image: &mut [u8]) {
 }
 
 /// The example with bytes replaced and valid CRCs.
-pub fn spoilt(at: usize, with: &[u8]) -> (Bytes, usize) {
+pub(crate) fn spoilt(at: usize, with: &[u8]) -> (Bytes, usize) {
     let (mut bytes, len) = example();
     bytes.0[at..at + with.len()].copy_from_slice(with);
     reseal(&mut bytes.0[..len]);
@@ -65,17 +65,17 @@ pub fn spoilt(at: usize, with: &[u8]) -> (Bytes, usize) {
 }
 
 /// SplitMix64: random bits that are the same on every run.
-pub struct Random(pub u64);
+pub(crate) struct Random(pub(crate) u64);
 
 impl Random {
-    pub fn next(&mut self) -> u64 {
+    pub(crate) fn next(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
         z ^ (z >> 31)
     }
 
-    pub fn below(&mut self, bound: usize) -> usize {
+    pub(crate) fn below(&mut self, bound: usize) -> usize {
         (self.next() % bound as u64) as usize
     }
 }

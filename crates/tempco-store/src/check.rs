@@ -1,0 +1,130 @@
+//! The periodic check of both slots, in bounded slices.
+
+use embedded_storage::nor_flash::NorFlash;
+use tempco_image::{BLOCK_LEN, CRC, contents_len};
+
+use crate::{Slot, Store, StoreError};
+
+/// How far the periodic check has come.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Checked {
+    /// The slice was read; the slot is not yet through.
+    Underway(Slot),
+    /// The slot has no image, or is being updated.
+    Passed(Slot),
+    /// All CRCs of the slot's image are right.
+    Good(Slot),
+    /// The slot's image is damaged or cannot be read.
+    Bad(Slot, StoreError),
+}
+
+/// Bytes read at once.
+const SLICE: usize = 64;
+
+/// The place of the check.
+pub(crate) struct Checker {
+    slot: Slot,
+    /// Of the slot's image, set at its start.
+    len: u32,
+    offset: u32,
+    digest: crc::Digest<'static, u32>,
+}
+
+impl Default for Checker {
+    fn default() -> Self {
+        Self::at(Slot::A)
+    }
+}
+
+impl Checker {
+    fn at(slot: Slot) -> Self {
+        Self {
+            slot,
+            len: 0,
+            offset: 0,
+            digest: CRC.digest(),
+        }
+    }
+}
+
+impl Store {
+    /// Reads on by up to `slices` times 64 bytes, at most to the end of a slot, and says what was
+    /// found. Call it again and again: A and B take turns.
+    ///
+    /// # Timing
+    /// At the start of a slot its entries are read besides.
+    pub fn check<F: NorFlash>(&mut self, flash: &mut F, slices: u32) -> Checked {
+        let slot = self.checker.slot;
+        let result = if self.checker.offset == 0 {
+            self.start_check(flash)
+        } else {
+            Ok(true)
+        };
+        let outcome = match result {
+            Ok(false) => Checked::Passed(slot),
+            Err(error) => Checked::Bad(slot, error),
+            Ok(true) => {
+                match (0..slices).try_fold(false, |end, _| {
+                    if end {
+                        Ok(true)
+                    } else {
+                        self.check_slice(flash)
+                    }
+                }) {
+                    Ok(false) => return Checked::Underway(slot),
+                    Ok(true) => Checked::Good(slot),
+                    Err(error) => Checked::Bad(slot, error),
+                }
+            }
+        };
+        self.checker = Checker::at(!slot);
+        outcome
+    }
+
+    /// Whether there is an image to check.
+    fn start_check<F: NorFlash>(&mut self, flash: &mut F) -> Result<bool, StoreError> {
+        let slot = self.checker.slot;
+        if self.updating() == Some(slot) {
+            return Ok(false);
+        }
+        let Some(record) = self.record(flash, slot) else {
+            return Ok(false);
+        };
+        if record.len > self.room::<F>(slot) {
+            return Err(StoreError::Length);
+        }
+        self.checker.len = record.len;
+        Ok(true)
+    }
+
+    /// Checks the next bytes of a block, or its CRC; `true` at the end of the image.
+    fn check_slice<F: NorFlash>(&mut self, flash: &mut F) -> Result<bool, StoreError> {
+        let start = self.region(self.checker.slot).start;
+        let checker = &mut self.checker;
+        let contents = contents_len(checker.len as usize).ok_or(StoreError::Length)? as u32;
+        let block = checker.offset / BLOCK_LEN as u32;
+        let end = contents.min((block + 1) * BLOCK_LEN as u32);
+        let len = (end - checker.offset).min(SLICE as u32);
+        let mut bytes = [0; SLICE];
+        let bytes = bytes.get_mut(..len as usize).ok_or(StoreError::Length)?;
+        flash
+            .read(start + checker.offset, bytes)
+            .map_err(StoreError::flash)?;
+        checker.digest.update(bytes);
+        checker.offset += len;
+        if checker.offset < end {
+            return Ok(false);
+        }
+        let mut expected = [0; 4];
+        flash
+            .read(start + contents + 4 * block, &mut expected)
+            .map_err(StoreError::flash)?;
+        let found = core::mem::replace(&mut checker.digest, CRC.digest()).finalize();
+        if found != u32::from_le_bytes(expected) {
+            let block = block as usize;
+            return Err(StoreError::Image(tempco_image::ImageError::Crc { block }));
+        }
+        Ok(checker.offset == contents)
+    }
+}

@@ -1,0 +1,56 @@
+//! Keeps a unit's coefficient table in NOR flash, in two copies, and a log of its faults.
+//!
+//! Each of two slots holds a flash image (see `tempco-image`) and behind it a few *entries*, each
+//! of which says that the image was whole, validated and chosen. The entry with the highest
+//! sequence number names the table in use. An update touches the other slot only, and becomes
+//! valid with its last write, that of the entry:
+//!
+//! ```text
+//! begin: erase the sector with the entries of the slot not in use
+//! write: erase a sector when it is first written to, program, chunk by chunk
+//! commit: read back -> CRCs -> validation -> program one entry
+//! ```
+//!
+//! So a power cut at any operation leaves the old table or the new one. Choosing the other slot
+//! ([`Store::select`], the roll-back) programs one more entry there and nothing else. An entry
+//! that a cut has torn is not believed, be it wrong or unreadable, and its place is not used again.
+//!
+//! # Layout of a slot
+//!
+//! | offset | content |
+//! |---|---|
+//! | 0 | image, padded with 0xff to a whole word of the flash |
+//! | `len - 8 s` | eight entries of `s` bytes: 32, or the word of the flash if that is longer |
+//!
+//! An entry is eight little-endian u32: magic, sequence number from 1 on, length of the image, its
+//! CRC-32P4, three times 0xffffffff, and the CRC-32P4 of the 28 bytes before.
+//!
+//! A fixed layout instead of a general flash store, because the image is to lie in one piece at an
+//! address that is known and aligned, so that a table can be used in place, and may be larger than
+//! a sector.
+//!
+//! # Boot
+//! [`Store::boot`] tries the slots, the latest first: load, CRCs, the caller's validation. It makes
+//! two attempts and returns in any case; with no good slot, it says why for each, and the unit
+//! runs uncompensated. Flash that cannot be read is a slot that is not good, so drivers must
+//! return an error where the hardware finds more wrong bits than it corrects, and not fault.
+//!
+//! Nothing is cached but what [`Store`] says, and no method loops over more than the flash it
+//! was given.
+#![no_std]
+#![forbid(unsafe_code)]
+
+mod check;
+mod entry;
+mod error;
+mod faults;
+mod region;
+mod store;
+mod update;
+
+pub use check::Checked;
+pub use entry::MAX_WRITE_SIZE;
+pub use error::StoreError;
+pub use faults::{Fault, FaultLog};
+pub use region::Region;
+pub use store::{Active, Boot, Slot, SlotState, Store};
