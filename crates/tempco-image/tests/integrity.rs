@@ -75,6 +75,23 @@ fn all_triples_of_flipped_bits_are_found() {
     }
 }
 
+/// The lengths in a damaged header are not followed, even if a CRC at the place they lead to were
+/// right.
+#[test]
+fn damage_of_the_header_is_found_by_its_own_crc() {
+    for bit in 8 * 12..8 * 72 {
+        let (mut bytes, len) = example();
+        bytes.0[bit / 8] ^= 1 << (bit % 8);
+        let crc = CRC.checksum(&bytes.0[..len - 4]);
+        bytes.0[len - 4..len].copy_from_slice(&crc.to_le_bytes());
+        assert_eq!(
+            Image::read(&bytes.0).unwrap_err(),
+            ImageError::Header,
+            "{bit}"
+        );
+    }
+}
+
 #[test]
 fn truncated_images_and_blank_flash_are_refused() {
     let (bytes, len) = example();

@@ -1,0 +1,269 @@
+//! What is said: requests of the host, responses of the unit.
+
+use heapless::Vec;
+use serde::{Deserialize, Serialize};
+
+/// Version of the protocol, major and minor.
+pub const VERSION: (u8, u8) = (1, 0);
+
+/// The most axes of a unit, and so the most temperature channels.
+pub const MAX_AXES: usize = 6;
+/// The most bytes of a chunk of an image; of whole words of any flash.
+pub const MAX_CHUNK: usize = 256;
+/// The most faults in a response.
+pub const MAX_FAULTS: usize = 8;
+
+/// A figure per axis, channel by channel.
+pub type Axes = Vec<f32, MAX_AXES>;
+/// One thing per temperature channel.
+pub type Channels<T> = Vec<T, MAX_AXES>;
+
+/// One of the two copies of the table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Bank {
+    /// The first one.
+    A,
+    /// The second one.
+    B,
+}
+
+/// What a host asks.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum Request<'a> {
+    /// Begins a session; answered by [`Response::Hello`] also by other versions.
+    Hello {
+        /// Major version of the host.
+        major: u8,
+        /// Minor version of the host.
+        minor: u8,
+        /// Any number that the host did not use last; comes back in the answer.
+        nonce: u32,
+    },
+    /// Asks for [`Response::Identity`].
+    Identify,
+    /// Asks for [`Response::Telemetry`] now and, if the period is not 0, again every period.
+    Telemetry {
+        /// Period \[ms\].
+        period_ms: u32,
+    },
+    /// Compensates this sample instead of one of the gyro; answered by [`Response::Outcome`].
+    Sample(Sample),
+    /// Runs the built-in test; answered by [`Response::Bit`].
+    Bit,
+    /// Takes the mean over this time, at rest, as the constant bias from now on.
+    ReZero {
+        /// Averaging time \[s\].
+        averaging_s: u16,
+    },
+    /// Makes the table in a bank the one to boot with: roll-back.
+    SelectBank(Bank),
+    /// Begins to write an image into the bank that is not in use.
+    UploadBegin {
+        /// Length of the image \[bytes\].
+        len: u32,
+    },
+    /// The next chunk of the image, or one that was sent before; answered by
+    /// [`Response::Expected`].
+    UploadChunk {
+        /// Where it begins \[bytes\].
+        offset: u32,
+        /// Up to [`MAX_CHUNK`] bytes.
+        bytes: &'a [u8],
+    },
+    /// Ends the upload: the image is checked and chosen if it is good.
+    UploadCommit {
+        /// Length of the image \[bytes\].
+        len: u32,
+        /// CRC-32P4 of all its bytes.
+        crc: u32,
+    },
+    /// Takes the table that was chosen last into use.
+    Activate,
+    /// Asks for a stretch of a bank's image; answered by [`Response::Chunk`], which is empty behind
+    /// its end.
+    Download {
+        /// The bank.
+        bank: Bank,
+        /// Where the stretch begins \[bytes\].
+        offset: u32,
+        /// Its length, up to [`MAX_CHUNK`] \[bytes\].
+        len: u16,
+    },
+    /// Asks for the fault log from a code on; answered by [`Response::Faults`].
+    Faults {
+        /// The lowest code.
+        from_code: u16,
+    },
+}
+
+/// What a unit says.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum Response<'a> {
+    /// Answer to [`Request::Hello`].
+    Hello {
+        /// Major version of the unit.
+        major: u8,
+        /// Minor version of the unit.
+        minor: u8,
+        /// That of the request.
+        nonce: u32,
+        /// Number of the session, which all further requests bear.
+        session: u32,
+    },
+    /// It was not carried out.
+    Refused(Refusal),
+    /// It was carried out, and there is nothing more to say.
+    Done,
+    /// What the unit is.
+    Identity {
+        /// Serial number of the unit.
+        serial: &'a str,
+        /// Firmware and its version.
+        firmware: &'a str,
+        /// Temperature channels.
+        channels: u8,
+        /// Axes of each channel.
+        axes: u8,
+        /// The bank in use; none if the unit runs uncompensated.
+        bank: Option<Bank>,
+        /// CRC of the table in use, as in `coefficients.json`; 0 without one.
+        table_crc: u32,
+        /// Number of updates and selections so far.
+        sequence: u32,
+    },
+    /// The state of the unit.
+    Telemetry(Telemetry),
+    /// What became of a [`Request::Sample`].
+    Outcome(Outcome),
+    /// Result of the built-in test.
+    Bit {
+        /// Bits of the faults that were found; 0 if it passed.
+        faults: u32,
+    },
+    /// Where the next chunk of an upload begins \[bytes\].
+    Expected {
+        /// Offset in the image.
+        offset: u32,
+    },
+    /// A stretch of an image.
+    Chunk {
+        /// Where it begins \[bytes\].
+        offset: u32,
+        /// Its bytes.
+        bytes: &'a [u8],
+    },
+    /// Faults by code; fewer than [`MAX_FAULTS`] if there are no more.
+    Faults(Vec<FaultEntry, MAX_FAULTS>),
+}
+
+/// Why a request was not carried out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum Refusal {
+    /// The host's major version is another.
+    Version,
+    /// The request is of no open session: say hello.
+    Session,
+    /// The request is not the next in order.
+    Order {
+        /// Sequence number that is.
+        expected: u16,
+    },
+    /// The request is not one that this version knows, or has arguments out of range.
+    Unknown,
+    /// The unit cannot do this.
+    Unsupported,
+    /// Not now: something else is under way.
+    Busy,
+    /// The chunk is not the next one.
+    Offset {
+        /// Where the next one begins \[bytes\].
+        expected: u32,
+    },
+    /// The image is not good: which check failed is in the log of the unit.
+    Image,
+    /// The store cannot do this.
+    Store,
+}
+
+/// One moment of a log, in place of a measurement.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Sample {
+    /// Time since the sample before \[s\].
+    pub dt_s: f32,
+    /// Temperatures; NaN where there is none \[degC\].
+    pub temps_c: Channels<f32>,
+    /// Gyro samples \[unit of the axis\].
+    pub raw: Axes,
+}
+
+/// What the compensator made of a [`Sample`].
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Outcome {
+    /// Of each channel.
+    pub channels: Channels<ChannelTelemetry>,
+    /// Biases that were taken out \[unit of the axis\].
+    pub bias: Axes,
+    /// Samples without them \[unit of the axis\].
+    pub compensated: Axes,
+}
+
+/// The thermal path of a channel.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct ChannelTelemetry {
+    /// Effective temperature \[degC\].
+    pub effective_c: f32,
+    /// Rate of temperature \[degC/min\].
+    pub rate_c_per_min: f32,
+    /// Bits of `tempco::Status`.
+    pub status: u16,
+}
+
+/// The state of a unit.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Telemetry {
+    /// Number of the message since power-on, by which lost ones are seen.
+    pub index: u32,
+    /// Time since power-on \[ms\].
+    pub uptime_ms: u32,
+    /// Measured temperatures; NaN where there is none \[degC\].
+    pub temps_c: Channels<f32>,
+    /// Gyro samples \[unit of the axis\].
+    pub raw: Axes,
+    /// What the compensator made of them.
+    pub outcome: Outcome,
+    /// Gyro samples since power-on.
+    pub samples: u32,
+    /// Temperatures that were rejected, of all channels.
+    pub rejected: u32,
+    /// Samples that were lost because they came too fast.
+    pub overruns: u32,
+    /// Frames that were dropped.
+    pub dropped_frames: u32,
+}
+
+/// A fault in the log of a unit.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct FaultEntry {
+    /// Code.
+    pub code: u16,
+    /// How often it occurred.
+    pub count: u32,
+    /// Boot in which it last occurred.
+    pub boot: u32,
+    /// When, after that boot \[s\].
+    pub uptime_s: u32,
+    /// What the unit adds.
+    pub detail: u32,
+}
