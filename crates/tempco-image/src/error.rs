@@ -45,8 +45,8 @@ pub enum ImageError {
     History {
         /// Play terms it asks for.
         plays: u8,
-        /// Lag terms it asks for.
-        lags: u8,
+        /// Slow parts it asks for.
+        slow_parts: u8,
     },
     /// The core refuses settings, grid or cells of a channel.
     Table {
@@ -88,9 +88,9 @@ impl fmt::Display for ImageError {
             Self::Field(name) => write!(f, "field {name} is out of range or does not agree"),
             Self::Serial => f.write_str("the image is of another unit"),
             Self::Shape => f.write_str("not the expected channels and axes"),
-            Self::History { plays, lags } => write!(
+            Self::History { plays, slow_parts } => write!(
                 f,
-                "{plays} play and {lags} lag terms are asked for, which this program does not have"
+                "{plays} play terms and {slow_parts} slow parts are asked for, which this program does not have"
             ),
             Self::Table { channel, error } => write!(f, "channel {channel}: {error}"),
             Self::Jump {

@@ -8,7 +8,9 @@ use crate::layout::{
     CHANNEL_LEN, CONTINUOUS, HEADER_CRC_AT, HEADER_LEN, RawChannel, RawHeader, TERMS_LEN,
     history_len, settings_from_array,
 };
-use crate::{CRC, Channel, FORMAT, ImageError, MAGIC, MAX_AXES, MAX_LAGS, MAX_PLAYS, MODEL, Unit};
+use crate::{
+    CRC, Channel, FORMAT, ImageError, MAGIC, MAX_AXES, MAX_PLAYS, MAX_SLOW_PARTS, MODEL, Unit,
+};
 
 /// What an image says about itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,7 +37,7 @@ pub struct Image<'a> {
     channels: usize,
     axes: usize,
     plays: u8,
-    lags: u8,
+    slow_parts: u8,
 }
 
 impl<'a> Image<'a> {
@@ -66,7 +68,7 @@ impl<'a> Image<'a> {
             channels: header.channels.into(),
             axes: header.axes.into(),
             plays: header.plays,
-            lags: header.lags,
+            slow_parts: header.slow_parts,
         };
         image.check_counts()?;
         (0..image.blocks()).try_for_each(|block| check_block(bytes, block))?;
@@ -90,7 +92,7 @@ impl<'a> Image<'a> {
                 "axes",
             ),
             (usize::from(self.plays) <= MAX_PLAYS, "plays"),
-            (usize::from(self.lags) <= MAX_LAGS, "lags"),
+            (usize::from(self.slow_parts) <= MAX_SLOW_PARTS, "slow_parts"),
         ] {
             if !good {
                 return Err(ImageError::Field(name));
@@ -123,7 +125,7 @@ impl<'a> Image<'a> {
         if !(1..=MAX_CELLS).contains(&count) {
             return Err(CELLS);
         }
-        let history = history_len(self.axes, self.plays.into(), self.lags.into());
+        let history = history_len(self.axes, self.plays.into(), self.slow_parts.into());
         let begin = self.channel_len + history;
         let end = begin + count * self.axes * TERMS_LEN;
         let cells = rest.get(begin..end).ok_or(CELLS)?;
@@ -203,10 +205,10 @@ impl<'a> Image<'a> {
 
     /// A channel of which nothing is needed that this program does not have.
     fn usable(&self, channel: usize) -> Result<Channel<'a>, ImageError> {
-        if (self.plays, self.lags) != (0, 0) {
+        if (self.plays, self.slow_parts) != (0, 0) {
             return Err(ImageError::History {
                 plays: self.plays,
-                lags: self.lags,
+                slow_parts: self.slow_parts,
             });
         }
         self.channel(channel)
@@ -293,9 +295,9 @@ impl<'a> Image<'a> {
         self.axes
     }
 
-    /// Play and lag terms of each channel.
+    /// Play terms and slow parts of each channel.
     pub const fn history(&self) -> (u8, u8) {
-        (self.plays, self.lags)
+        (self.plays, self.slow_parts)
     }
 }
 

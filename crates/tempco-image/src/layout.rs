@@ -18,8 +18,8 @@ pub const MODEL: (u16, u16) = (1, 0);
 pub const MAX_AXES: usize = 6;
 /// The most play (hysteresis) terms of a channel.
 pub const MAX_PLAYS: usize = 2;
-/// The most lag terms of a channel.
-pub const MAX_LAGS: usize = 1;
+/// The most slow parts of a channel.
+pub const MAX_SLOW_PARTS: usize = 1;
 /// Bytes of the serial number, which is padded with zeros.
 pub const SERIAL_LEN: usize = 32;
 
@@ -42,7 +42,7 @@ pub(crate) struct RawHeader {
     pub(crate) channels: u8,
     pub(crate) axes: u8,
     pub(crate) plays: u8,
-    pub(crate) lags: u8,
+    pub(crate) slow_parts: u8,
     pub(crate) flags: U32,
     /// The CRC that `coefficients.json` and `table.rs` name, by which a set is recognised.
     pub(crate) table_crc: U32,
@@ -77,10 +77,10 @@ const _: () = {
     assert!(offset_of!(RawChannel, cells) == 60 && offset_of!(RawChannel, units) == 64);
 };
 
-/// Bytes of the history terms of a channel: plays of half-width and gains, lags of time constant,
+/// Bytes of the history terms of a channel: plays of half-width and gains, slow parts of time constant,
 /// limit and gains.
-pub(crate) const fn history_len(axes: usize, plays: usize, lags: usize) -> usize {
-    plays * 4 * (1 + axes) + lags * 4 * (2 + axes)
+pub(crate) const fn history_len(axes: usize, plays: usize, slow_parts: usize) -> usize {
+    plays * 4 * (1 + axes) + slow_parts * 4 * (2 + axes)
 }
 
 /// The settings in the order in which the core declares them.

@@ -66,7 +66,7 @@ pub use channel::Channel;
 pub use check::{BLOCK_LEN, CRC, contents_len, total_len};
 pub use error::ImageError;
 pub use image::{Image, Info};
-pub use layout::{FORMAT, MAGIC, MAX_AXES, MAX_LAGS, MAX_PLAYS, MODEL, SERIAL_LEN};
+pub use layout::{FORMAT, MAGIC, MAX_AXES, MAX_PLAYS, MAX_SLOW_PARTS, MODEL, SERIAL_LEN};
 pub use unit::Unit;
 pub use write::{encode, encoded_len};
 

@@ -90,7 +90,7 @@ fn header(info: &Info, channels: &[Channel], axes: usize, len: usize) -> RawHead
         channels: channels.len() as u8,
         axes: axes as u8,
         plays: 0,
-        lags: 0,
+        slow_parts: 0,
         flags: U32::new(if info.continuous { CONTINUOUS } else { 0 }),
         table_crc: U32::new(info.table_crc),
         serial,

@@ -118,7 +118,7 @@ fn inconsistent_fields_are_refused_on_reading() {
         (25, &[0], "axes"),
         (25, &[7], "axes"),
         (26, &[3], "plays"),
-        (27, &[2], "lags"),
+        (27, &[2], "slow_parts"),
         (28, &[2], "flags"),
         (36, &[0; 32], "serial"),
         (36, &[0xff], "serial"),

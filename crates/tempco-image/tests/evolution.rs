@@ -81,7 +81,7 @@ fn additions_are_not_exempt_from_the_crc() {
 /// History terms have their place in the layout; a program without them must not leave them out.
 #[test]
 fn history_terms_that_the_program_does_not_have_are_refused() {
-    for (plays, lags, history_len) in [(1, 0, 8), (2, 0, 16), (0, 1, 12), (2, 1, 28)] {
+    for (plays, slow_parts, history_len) in [(1, 0, 8), (2, 0, 16), (0, 1, 12), (2, 1, 28)] {
         let (old, len) = example();
         let head = HEADER_LEN + CHANNEL_LEN;
         let contents = [
@@ -94,11 +94,11 @@ fn history_terms_that_the_program_does_not_have_are_refused() {
         bytes.0[..contents.len()].copy_from_slice(&contents);
         let len = total_len(contents.len());
         bytes.0[12] = len as u8;
-        (bytes.0[26], bytes.0[27]) = (plays, lags);
+        (bytes.0[26], bytes.0[27]) = (plays, slow_parts);
         reseal(&mut bytes.0[..len]);
         let image = Image::read(&bytes.0).unwrap();
-        assert_eq!(image.history(), (plays, lags));
-        let refused = ImageError::History { plays, lags };
+        assert_eq!(image.history(), (plays, slow_parts));
+        let refused = ImageError::History { plays, slow_parts };
         assert_eq!(image.table::<1>(0), Err(refused));
         assert_eq!(image.validate(), Err(refused));
     }

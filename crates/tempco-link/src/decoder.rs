@@ -1,7 +1,9 @@
 //! Bytes in, checked messages out: a state machine of bounded size.
 
+use cobs::{DecodeResult, DecoderState};
+
 use crate::LinkError;
-use crate::frame::{MAX_FRAME, open};
+use crate::frame::{MAX_MESSAGE, open};
 
 /// Frames that were taken and dropped.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -17,7 +19,9 @@ pub struct Counters {
 
 /// Finds frames in a stream of bytes.
 pub struct Decoder {
-    bytes: [u8; MAX_FRAME],
+    stuffing: DecoderState,
+    /// What was unstuffed of the present frame.
+    plain: [u8; MAX_MESSAGE + 4],
     len: usize,
     /// More bytes came than a frame can have; they are dropped up to the next zero.
     is_long: bool,
@@ -34,7 +38,8 @@ impl Decoder {
     /// A decoder that has not seen a byte.
     pub const fn new() -> Self {
         Self {
-            bytes: [0; MAX_FRAME],
+            stuffing: DecoderState::Idle,
+            plain: [0; MAX_MESSAGE + 4],
             len: 0,
             is_long: false,
             counters: Counters {
@@ -48,26 +53,28 @@ impl Decoder {
     /// Takes a byte; returns the postcard encoding of a [`Frame`](crate::Frame) whose CRC is right
     /// once its last byte came. What is no frame is counted and dropped.
     pub fn push(&mut self, byte: u8) -> Option<&[u8]> {
-        if byte != 0 {
-            match self.bytes.get_mut(self.len) {
-                Some(place) => {
-                    *place = byte;
-                    self.len += 1;
-                }
-                None => self.is_long = true,
+        let opened = match self.stuffing.feed(byte) {
+            Ok(DecodeResult::NoData) => return None,
+            Ok(DecodeResult::DataStart) => {
+                (self.len, self.is_long) = (0, false);
+                return None;
             }
-            return None;
-        }
-        let len = core::mem::take(&mut self.len);
-        let is_long = core::mem::take(&mut self.is_long);
-        if len == 0 {
-            return None;
-        }
-        let opened = if is_long {
-            Err(LinkError::Long)
-        } else {
-            let stuffed = self.bytes.get_mut(..len).ok_or(LinkError::Long);
-            stuffed.and_then(open)
+            Ok(DecodeResult::DataContinue(byte)) => {
+                match self.plain.get_mut(self.len) {
+                    Some(place) => {
+                        *place = byte;
+                        self.len += 1;
+                    }
+                    None => self.is_long = true,
+                }
+                return None;
+            }
+            Ok(DecodeResult::DataComplete) if !self.is_long => {
+                let plain = self.plain.get(..self.len).ok_or(LinkError::Long);
+                plain.and_then(open)
+            }
+            _ if self.is_long => Err(LinkError::Long),
+            _ => Err(LinkError::Framing),
         };
         let counter = match opened {
             Ok(_) => &mut self.counters.good,

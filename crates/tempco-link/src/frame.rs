@@ -2,6 +2,7 @@
 
 use core::fmt;
 
+use cobs::CobsEncoder;
 use serde::{Deserialize, Serialize};
 use tempco_image::CRC;
 
@@ -66,14 +67,19 @@ impl<M: Serialize> Frame<M> {
         let crc = rest.first_chunk_mut().ok_or(LinkError::Long)?;
         *crc = CRC.checksum(message).to_le_bytes();
         let plain = plain.get(..len + 4).ok_or(LinkError::Long)?;
-        cobs::try_encode_including_sentinels(plain, wire).map_err(|_| LinkError::Long)
+        // Not by `try_encode_including_sentinels`, which indexes.
+        let (first, stuffed) = wire.split_first_mut().ok_or(LinkError::Long)?;
+        *first = 0;
+        let mut encoder = CobsEncoder::new(stuffed);
+        encoder.push(plain).map_err(|_| LinkError::Long)?;
+        let len = encoder.finalize();
+        *stuffed.get_mut(len).ok_or(LinkError::Long)? = 0;
+        Ok(len + 2)
     }
 }
 
-/// The message in the bytes between two zeros, with its numbers; they are unstuffed in place.
-pub(crate) fn open(stuffed: &mut [u8]) -> Result<&[u8], LinkError> {
-    let len = cobs::decode_in_place(stuffed).map_err(|_| LinkError::Framing)?;
-    let plain = stuffed.get(..len).ok_or(LinkError::Framing)?;
+/// The message in unstuffed bytes, with its numbers.
+pub(crate) fn open(plain: &[u8]) -> Result<&[u8], LinkError> {
     let (message, crc) = plain.split_last_chunk().ok_or(LinkError::Framing)?;
     // The CRC of nothing is zero, so that a row of zeros would be a frame.
     if message.is_empty() {

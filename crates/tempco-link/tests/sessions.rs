@@ -92,7 +92,10 @@ fn other_versions_sessions_and_orders_are_refused() {
     assert_eq!(refused(&wire(7, 4, &Request::Bit)), [vec![7, 4, 1, 2, 2]]);
     assert_eq!(refused(&wire(7, 0, &Request::Bit)), [[0; 0]; 0]);
     assert_eq!(refused(&wire(7, 2, &Request::Bit)), [vec![7, 2, 2]]);
-    assert_eq!(unit.done, ["Bit"]);
+    assert_eq!(refused(&wire(7, 3, &Request::Bit)), [vec![7, 3, 2]]);
+    // Answered long ago: nothing is said, so that no answer comes twice.
+    assert_eq!(refused(&wire(7, 2, &Request::Bit)), [[0; 0]; 0]);
+    assert_eq!(unit.done, ["Bit", "Bit"]);
 }
 
 /// A request of a newer minor version, and one with a byte too many.
@@ -142,6 +145,22 @@ fn a_replayed_session_carries_nothing_out() {
     let mut third = connected(&mut server, &mut unit, 7);
     assert_eq!(
         ask(&mut third, &mut server, &mut unit, &Request::Bit),
+        "Done"
+    );
+}
+
+#[test]
+fn the_answer_to_an_earlier_hello_opens_nothing() {
+    let (mut server, mut unit) = (Server::new(1), Unit::default());
+    let mut client = Client::new();
+    let hello = client.hello(5).unwrap().to_vec();
+    let late = feed(&mut server, &mut unit, &hello).concat();
+    let hello = client.hello(6).unwrap().to_vec();
+    assert!(events(&mut client, &late).is_empty());
+    let answer = feed(&mut server, &mut unit, &hello).concat();
+    assert_eq!(events(&mut client, &answer).len(), 1);
+    assert_eq!(
+        ask(&mut client, &mut server, &mut unit, &Request::Bit),
         "Done"
     );
 }

@@ -141,7 +141,7 @@ fn every_cut_and_pair_of_cuts_with_words_of_16_and_32_bytes() {
 
 /// Millions of points: `cargo test --release -p tempco-store -- --ignored`.
 #[test]
-#[ignore = "a minute in release"]
+#[ignore = "five million points; minutes in release"]
 fn every_cut_and_pair_of_cuts_of_larger_images() {
     let mut points = enumerate_all::<4, 1024>(4, 80);
     points += enumerate_all::<8, 1024>(4, 80);

@@ -104,7 +104,10 @@ impl<'a, const AXES: usize> Table<'a, AXES> {
         if !is_within(last_edge_c, first_edge_c + 1e-3, 1e3) {
             return Err(TableError::Setting("last_edge_c"));
         }
-        if cells.is_empty() || cells.len() > MAX_CELLS {
+        let Some((coldest, _)) = cells.split_first() else {
+            return Err(TableError::CellCount);
+        };
+        if cells.len() > MAX_CELLS {
             return Err(TableError::CellCount);
         }
         let mut cell = 0;
@@ -130,7 +133,7 @@ impl<'a, const AXES: usize> Table<'a, AXES> {
             t_min_c: first_edge_c,
             t_max_c: last_edge_c,
             cells,
-            coldest: &cells[0],
+            coldest,
         })
     }
 
