@@ -7,20 +7,26 @@ use clap::ValueEnum;
 use tempco::ThermalSettings;
 use tempco_fit::Stretch;
 use tempco_fit::fit::{Fit, FitOptions, fit};
+use tempco_fit::log::ReadOptions;
 use tempco_fit::segment::{Overlap, Segmentation};
 use tempco_fit::set::{CoefficientSet, Model, table_rs, write_files};
+use tempco_report::{Judgement, Report, Subject};
 
 use crate::Verdict;
 use crate::batch;
 use crate::output::{figure, percent, print, table};
+use crate::report::{ensure_rereadable, fitted_logs, gather, write_figures};
 use crate::set_tables::show_choice;
 use crate::shared_args::LogArgs;
 
+/// Name of the report beside the set.
+const REPORT: &str = "report.html";
+
 /// Fit a coefficient set to one or more chamber logs of a unit
 ///
-/// Writes DIR/coefficients.json and DIR/table.rs, both or neither. With --batch, every unit found in a
-/// folder: DIR/SERIAL/ for each, DIR/summary.csv and DIR/summary.html; a unit that fails is in the
-/// summary with its error and makes the exit code 1, the others are fitted all the same.
+/// Writes DIR/coefficients.json, DIR/table.rs and DIR/report.html, all or none. With --batch, every unit
+/// found in a folder: DIR/SERIAL/ for each, DIR/summary.csv and DIR/summary.html; a unit that fails is
+/// in the summary with its error and makes the exit code 1, the others are fitted all the same.
 #[derive(clap::Args)]
 pub(crate) struct Args {
     /// Chamber logs of the unit: CSV, as it is or packed by gzip or zstd, or Parquet
@@ -71,6 +77,12 @@ pub(crate) struct Args {
         allow_negative_numbers = true
     )]
     tau: f64,
+    /// Write the figures of the report into a folder as well, as SVG files
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["batch", "no_report"])]
+    figures: Option<PathBuf>,
+    /// Write no report.html, for which every log is read once more
+    #[arg(long)]
+    no_report: bool,
     #[command(flatten)]
     reading: LogArgs,
 }
@@ -107,23 +119,53 @@ pub(crate) fn run(args: &Args) -> Result<Verdict> {
         "--overlap spline: expected with --model spline only, whose segments are fitted together"
     );
     let options = options(args);
+    let reading = args.reading.options(None)?;
     if let Some(folder) = &args.batch {
-        return batch::run(folder, &args.out, &args.reading.options(None)?, &options);
+        return batch::run(folder, &args.out, &reading, &options, !args.no_report);
+    }
+    if !args.no_report {
+        ensure_rereadable(&args.logs)?;
     }
     let logs = args.reading.read_all(&args.logs)?;
     let Fit { set, remarks } = fit(&logs, &options)?;
-    write_set(&args.out, &set)?;
+    drop(logs);
+    let judgement = Judgement::new(&set, None, &remarks);
+    let report = if args.no_report {
+        None
+    } else {
+        Some(report_on(&set, &judgement, &args.logs, &reading, args.tau)?)
+    };
+    if let (Some(report), Some(folder)) = (&report, &args.figures) {
+        write_figures(report, folder)?;
+    }
+    write_set(&args.out, &set, report.as_ref())?;
 
     summarise(&set, args)?;
     set.channels.iter().try_for_each(show_choice)?;
     for remark in &remarks {
         print(format_args!("remark: {remark}"))?;
     }
-    let alarm = set
-        .channels
-        .iter()
-        .any(|channel| (0..channel.axes.len()).any(|axis| channel.mismatch_alarm(axis)));
-    Ok(Verdict::of(!alarm))
+    for objection in &judgement.objections {
+        eprintln!("not acceptable: {objection}");
+    }
+    Ok(Verdict::of(judgement.objections.is_empty()))
+}
+
+/// The report on a set and the logs it was fitted to.
+pub(crate) fn report_on(
+    set: &CoefficientSet,
+    judgement: &Judgement,
+    logs: &[PathBuf],
+    reading: &ReadOptions,
+    tau_s: f64,
+) -> Result<Report> {
+    let gathered = gather(set, tau_s, &fitted_logs(set, logs), reading)?;
+    let subject = Subject {
+        set,
+        evaluation: None,
+        judgement,
+    };
+    Ok(Report::new(subject, gathered)?)
 }
 
 fn options(args: &Args) -> FitOptions {
@@ -158,13 +200,14 @@ fn options(args: &Args) -> FitOptions {
 }
 
 /// Writes the files of a set, all or none.
-pub(crate) fn write_set(out: &Path, set: &CoefficientSet) -> Result<()> {
+pub(crate) fn write_set(out: &Path, set: &CoefficientSet, report: Option<&Report>) -> Result<()> {
     let json = serde_json::to_string_pretty(set)? + "\n";
     let rust = table_rs(set);
-    let files = [
+    let mut files = vec![
         ("coefficients.json", json.as_bytes()),
         ("table.rs", rust.as_bytes()),
     ];
+    files.extend(report.map(|report| (REPORT, report.html.as_bytes())));
     write_files(out, &files).context("nothing was written")
 }
 
@@ -227,9 +270,14 @@ fn summarise(set: &CoefficientSet, args: &Args) -> Result<()> {
     print(table(&header, rows))?;
     print(format_args!(
         "on the fitted logs: RMSE of single rows, sigma of {} s means; cubic: one cubic in T on the \
-         same rows\nwrote {} and {}",
+         same rows",
         args.tau,
-        args.out.join("coefficients.json").display(),
-        args.out.join("table.rs").display()
-    ))
+    ))?;
+    let mut files = vec!["coefficients.json", "table.rs"];
+    files.extend((!args.no_report).then_some(REPORT));
+    let files = files
+        .iter()
+        .map(|name| args.out.join(name).display().to_string());
+    let files: Vec<String> = files.collect();
+    print(format_args!("wrote {}", files.join(", ")))
 }
