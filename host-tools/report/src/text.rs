@@ -13,6 +13,13 @@ pub fn figure(value: f64) -> String {
     }
 }
 
+/// A time in seconds, with the decimals it needs, at most two.
+pub(crate) fn seconds(value: f64) -> String {
+    let text = format!("{value:.2}");
+    let short = text.trim_end_matches('0').trim_end_matches('.');
+    format!("{short} s")
+}
+
 /// A share in per cent; nothing where it could not be formed.
 pub fn percent(share: f64) -> String {
     if share.is_finite() {

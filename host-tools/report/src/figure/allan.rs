@@ -1,5 +1,7 @@
 //! Allan deviations before and after.
 
+use std::ops::Range;
+
 use plotters::element::DashedPathElement;
 use plotters::prelude::*;
 use tempco_fit::set::AxisSet;
@@ -9,6 +11,9 @@ use super::frame::{Key, Mark, dot, line, text, titled, triangle, with_unit};
 use super::palette::{AFTER, BEFORE, GRID, MUTED};
 use crate::ReportError;
 use crate::gather::{Deviation, GatheredAxis};
+
+/// Room around the curves, as a factor.
+const MARGIN: f64 = 1.6;
 
 const KEYS: [Key; 3] = [
     (Mark::Triangle(BEFORE), "before"),
@@ -24,8 +29,8 @@ pub(super) fn draw(
     let (name, unit) = (&axis.name, axis.unit.symbol());
     let [before, after] = &shown.allan;
     let points = || before.iter().chain(after);
-    let x = decades(points().map(|point| point.tau_s));
-    let y = decades(points().flat_map(|point| point.interval));
+    let x = around(points().map(|point| point.tau_s));
+    let y = around(points().flat_map(|point| point.interval));
     Figure::draw(
         format!("allan-{name}"),
         format!("Overlapping Allan deviation of {name}, before and after compensation"),
@@ -38,8 +43,8 @@ pub(super) fn draw(
                 .x_label_area_size(FINE * 38)
                 .y_label_area_size(FINE * 56)
                 .build_cartesian_2d(
-                    (x.0..x.1).log_scale().with_key_points(powers(x)),
-                    (y.0..y.1).log_scale().with_key_points(powers(y)),
+                    x.clone().log_scale().with_key_points(ticks(&x)),
+                    y.clone().log_scale().with_key_points(ticks(&y)),
                 )?;
             chart
                 .configure_mesh()
@@ -49,11 +54,11 @@ pub(super) fn draw(
                 .label_style(text(12, MUTED))
                 .axis_desc_style(text(12, MUTED))
                 .x_desc("averaging time [s]")
-                .x_label_formatter(&power)
-                .y_label_formatter(&power)
+                .x_label_formatter(&tick)
+                .y_label_formatter(&tick)
                 .draw()?;
-            if (x.0..x.1).contains(&tau_s) {
-                let ends = [(tau_s, y.0), (tau_s, y.1)];
+            if x.contains(&tau_s) {
+                let ends = [(tau_s, y.start), (tau_s, y.end)];
                 let dashes = DashedPathElement::new(ends, FINE * 5, FINE * 4, line(MUTED, 12));
                 chart.draw_series([dashes])?;
             }
@@ -62,7 +67,7 @@ pub(super) fn draw(
                 let path: Vec<(f64, f64)> = curve.iter().map(place).collect();
                 chart.draw_series([PathElement::new(path, line(colour, 15))])?;
                 for point in curve {
-                    let ends = point.interval.map(|end| (point.tau_s, end.max(y.0)));
+                    let ends = point.interval.map(|end| (point.tau_s, end.max(y.start)));
                     chart.draw_series([PathElement::new(ends, line(colour, 15))])?;
                     match what {
                         "before" => chart.draw_series([triangle(place(point), colour)])?,
@@ -83,29 +88,39 @@ pub(super) fn draw(
     )
 }
 
-/// Whole powers of ten around positive values.
-fn decades(values: impl Iterator<Item = f64>) -> (f64, f64) {
-    let logs = values.filter(|&value| value > 0.0).map(f64::log10);
-    let (low, high) = logs.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), log| {
-        (low.min(log), high.max(log))
+/// A range around positive values, with a margin.
+fn around(values: impl Iterator<Item = f64>) -> Range<f64> {
+    let positive = values.filter(|&value| value > 0.0);
+    let (low, high) = positive.fold((f64::INFINITY, 0.0), |(low, high): (f64, f64), value| {
+        (low.min(value), high.max(value))
     });
     if low > high {
-        return (0.1, 10.0);
+        return 0.1..10.0;
     }
-    let low = low.floor();
-    (10_f64.powf(low), 10_f64.powf(high.ceil().max(low + 1.0)))
+    low / MARGIN..high * MARGIN
 }
 
-fn powers((low, high): (f64, f64)) -> Vec<f64> {
-    let [low, high] = [low, high].map(|end| end.log10().round() as i32);
-    (low..=high).map(|power| 10_f64.powi(power)).collect()
+/// Powers of ten in a range; where there are few of them, also twice and five times these.
+fn ticks(range: &Range<f64>) -> Vec<f64> {
+    let [low, high] = [range.start, range.end].map(|end| end.log10().floor() as i32);
+    let times = |factors: &[f64]| -> Vec<f64> {
+        let powers = (low..=high).map(|power| 10_f64.powi(power));
+        let ticks = powers.flat_map(|power| factors.iter().map(move |factor| factor * power));
+        ticks.filter(|tick| range.contains(tick)).collect()
+    };
+    match times(&[1.0]) {
+        ticks if ticks.len() > 2 => ticks,
+        _ => times(&[1.0, 2.0, 5.0]),
+    }
 }
 
-/// A power of ten in as few letters as it takes.
-fn power(value: &f64) -> String {
-    if (0.01..=1e4).contains(value) {
-        format!("{value}")
+/// A tick in as few letters as it takes.
+fn tick(value: &f64) -> String {
+    if (1e-3..1e5).contains(value) {
+        // Twice and five times a power of ten are not exact.
+        let decimals = (-value.log10()).ceil().max(0.0) as usize;
+        format!("{value:.decimals$}")
     } else {
-        format!("{value:e}")
+        format!("{value:.0e}")
     }
 }

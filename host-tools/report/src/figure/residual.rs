@@ -12,6 +12,7 @@ use super::palette::{AFTER, COOLING, HEATING, INK, MUTED, OTHER};
 use super::traces::{band, extremes, hours, point_out, runs, starts, trace};
 use crate::ReportError;
 use crate::gather::{Direction, Gathered, GatheredAxis, Spread};
+use crate::text::seconds;
 
 /// Against time: means, and below them the extremes of single rows on a scale of their own.
 pub(super) fn over_time(
@@ -35,7 +36,10 @@ pub(super) fn over_time(
         format!("What remains of {name} over time: means, and extremes of single rows"),
         height,
         |area, hovers| -> Result<(), DrawError> {
-            let title = format!("{name}: means over {:.0} s; rows [{unit}]", gathered.tau_s);
+            let title = format!(
+                "{name}: means over {}; rows [{unit}]",
+                seconds(gathered.tau_s)
+            );
             let area = titled(area, &title, &KEYS)?;
             let (upper, lower) = area.split_vertically(FINE * (height - 38) * 11 / 20);
             let nothing = Scale {

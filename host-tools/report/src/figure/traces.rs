@@ -8,6 +8,7 @@ use super::frame::{BAND, Chart, Key, Mark, Scale, axes, line, range_of, titled, 
 use super::palette::{AFTER, BEFORE, GRID, MUTED};
 use crate::ReportError;
 use crate::gather::{Gathered, GatheredAxis, Spread};
+use crate::text::seconds;
 
 /// Height of the strip with the temperature.
 const STRIP: i32 = 70;
@@ -43,7 +44,7 @@ pub(super) fn draw(
         format!("Means of {name} over time, before and after compensation"),
         340,
         |area, hovers| -> Result<(), DrawError> {
-            let title = format!("{name}: means over {:.0} s [{unit}]", gathered.tau_s);
+            let title = format!("{name}: means over {} [{unit}]", seconds(gathered.tau_s));
             let area = titled(area, &title, &KEYS)?;
             let (strip, area) = area.split_vertically(FINE * STRIP);
             let nothing = Scale {

@@ -9,7 +9,7 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 use crate::Subject;
 use crate::figure::{AxisFigures, Figure, Figures, dark_rules};
 use crate::gather::{Gathered, MOST_CLUSTERS};
-use crate::text::figure;
+use crate::text::seconds;
 
 const STYLE: &str = include_str!("style.css");
 
@@ -51,7 +51,7 @@ pub(crate) fn page(subject: &Subject, gathered: &Gathered, figures: &Figures) ->
 
 fn sections(subject: &Subject, gathered: &Gathered, figures: &Figures) -> Markup {
     let set = subject.set;
-    let tau = format!("{} s", figure(gathered.tau_s));
+    let tau = seconds(gathered.tau_s);
     let of_axes = |figure: fn(&AxisFigures) -> &Figure| {
         html! { div.figures { @for axis in &figures.axes { figure { (figure(axis).inline()) } } } }
     };

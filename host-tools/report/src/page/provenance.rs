@@ -6,7 +6,7 @@ use tempco_fit::set::{ChannelSet, CoefficientSet};
 
 use super::{cell, table};
 use crate::Subject;
-use crate::text::figure;
+use crate::text::{figure, seconds};
 
 pub(super) fn provenance(subject: &Subject) -> Markup {
     let set = subject.set;
@@ -107,7 +107,7 @@ fn sign_offs(set: &CoefficientSet) -> Markup {
             vec![
                 cell(&sign_off.file),
                 cell(&sign_off.judged),
-                cell(format!("{} s", figure(sign_off.tau_s))),
+                cell(seconds(sign_off.tau_s)),
                 cell(outcome),
                 html! { code { (sign_off.sha256) } },
             ]

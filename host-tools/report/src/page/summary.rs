@@ -5,7 +5,7 @@ use tempco_fit::metrics::{Evaluation, Role};
 use tempco_fit::set::CoefficientSet;
 
 use super::{cell, table};
-use crate::text::{figure, percent};
+use crate::text::{figure, percent, seconds};
 use crate::{Subject, Verdict};
 
 pub(super) fn summary(subject: &Subject) -> Markup {
@@ -107,7 +107,7 @@ fn of_evaluation(evaluation: &Evaluation) -> Markup {
     });
     html! {
         h2 { "Bias stability" }
-        p { "Standard deviation of means over " (figure(evaluation.tau_s)) " s on "
+        p { "Standard deviation of means over " (seconds(evaluation.tau_s)) " on "
             (evaluation.log.file) ", before and after compensation. Reference: "
             (evaluation.reference) ". Largest: of a mean, about the mean of the log." }
         (table(&head, rows.collect()))
@@ -152,7 +152,7 @@ fn of_fit(set: &CoefficientSet) -> Markup {
     });
     html! {
         h2 { "Bias stability" }
-        p { "Standard deviation of means over " (figure(tau_s.unwrap_or_default())) " s on the fitted "
+        p { "Standard deviation of means over " (seconds(tau_s.unwrap_or_default())) " on the fitted "
             "logs, before compensation, with one cubic in T, and with this set. RMSE: of single rows." }
         (table(&head, rows.collect()))
     }
