@@ -7,7 +7,7 @@ use plotters::prelude::*;
 use tempco_fit::set::AxisSet;
 
 use super::canvas::{DrawError, FINE, Figure};
-use super::frame::{Key, Mark, dot, line, text, titled, triangle, with_unit};
+use super::frame::{BELOW, Key, LEFT, Mark, dot, line, text, titled, triangle, with_unit};
 use super::palette::{AFTER, BEFORE, GRID, MUTED};
 use crate::ReportError;
 use crate::gather::{Deviation, GatheredAxis};
@@ -40,8 +40,8 @@ pub(super) fn draw(
             let mut chart = ChartBuilder::on(&area)
                 .margin_right(FINE * 14)
                 .margin_top(FINE * 4)
-                .x_label_area_size(FINE * 38)
-                .y_label_area_size(FINE * 56)
+                .x_label_area_size(FINE * BELOW)
+                .y_label_area_size(FINE * LEFT)
                 .build_cartesian_2d(
                     x.clone().log_scale().with_key_points(ticks(&x)),
                     y.clone().log_scale().with_key_points(ticks(&y)),
@@ -51,8 +51,8 @@ pub(super) fn draw(
                 .light_line_style(TRANSPARENT)
                 .bold_line_style(line(GRID, 10))
                 .axis_style(line(MUTED, 10))
-                .label_style(text(12, MUTED))
-                .axis_desc_style(text(12, MUTED))
+                .label_style(text(13, MUTED))
+                .axis_desc_style(text(13, MUTED))
                 .x_desc("averaging time [s]")
                 .x_label_formatter(&tick)
                 .y_label_formatter(&tick)

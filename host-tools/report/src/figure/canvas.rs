@@ -8,7 +8,7 @@ use super::palette::SURFACE;
 use crate::ReportError;
 
 /// Width of a figure in units of its view box, which are about pixels.
-pub(super) const WIDTH: i32 = 480;
+pub(super) const WIDTH: i32 = 440;
 
 /// plotters rounds to whole pixels; this many of them make a unit, so that curves stay smooth.
 pub(super) const FINE: i32 = 4;

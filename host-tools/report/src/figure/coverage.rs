@@ -14,10 +14,7 @@ const SHADES: [(f64, f64); 4] = [(0.2, 0.0), (0.4, 1.0), (0.65, 10.0), (1.0, 60.
 
 pub(super) fn draw(channel: &ChannelSet, map: &Map) -> Result<Figure, ReportError> {
     const KEYS: [Key; 2] = [
-        (
-            Mark::Band(COOLING),
-            "time, paler to darker: any, 1 min, 10 min, 1 h",
-        ),
+        (Mark::Band(COOLING), "time: any, 1 min, 10 min, 1 h or more"),
         (Mark::Line(INK), "calibrated"),
     ];
     let (table, thermal) = (&channel.table, &channel.table.thermal);
@@ -40,7 +37,7 @@ pub(super) fn draw(channel: &ChannelSet, map: &Map) -> Result<Figure, ReportErro
     Figure::draw(
         format!("coverage-{name}"),
         format!("Time spent by temperature and rate of temperature, {name}"),
-        330,
+        300,
         |area, hovers| -> Result<(), DrawError> {
             let area = titled(area, &format!("{name}: rate T' [degC/min]"), &KEYS)?;
             let mut chart = axes(&area, x, y, 7)?;

@@ -14,11 +14,11 @@ pub(super) type Chart<'a, 'b> =
     ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 
 /// Height of the title, and of the legend below it.
-const TITLE: i32 = 19;
+const TITLE: i32 = 21;
 const LEGEND: i32 = 19;
 /// Room for the labels of ticks.
-const LEFT: i32 = 56;
-const BELOW: i32 = 38;
+pub(super) const LEFT: i32 = 58;
+pub(super) const BELOW: i32 = 40;
 
 /// How a kind of mark looks.
 #[derive(Clone, Copy)]
@@ -57,7 +57,7 @@ pub(super) fn titled<'a>(
 ) -> Result<Area<'a>, DrawError> {
     let height = TITLE + if keys.is_empty() { 0 } else { LEGEND };
     let (top, rest) = area.split_vertically(FINE * height);
-    let style = text(14, INK).pos(Pos::new(HPos::Left, VPos::Center));
+    let style = text(15, INK).pos(Pos::new(HPos::Left, VPos::Center));
     top.draw_text(title, &style, (FINE * 8, FINE * TITLE / 2))?;
     let (mut x, y) = (FINE * 10, FINE * (TITLE + LEGEND / 2));
     for (mark, name) in keys {
@@ -65,7 +65,7 @@ pub(super) fn titled<'a>(
         let style = text(12, MUTED).pos(Pos::new(HPos::Left, VPos::Center));
         top.draw_text(name, &style, (x + FINE * 20, y))?;
         // No font is at hand to measure with: sans-serif letters are about half as wide as high.
-        x += FINE * (34 + 13 * name.chars().count() as i32 / 2);
+        x += FINE * (30 + 13 * name.chars().count() as i32 / 2);
     }
     Ok(rest)
 }
@@ -129,8 +129,8 @@ pub(super) fn axes<'a, 'b>(
         .axis_style(line(MUTED, 10))
         .set_all_tick_mark_size(FINE * 3)
         .y_labels(y_ticks)
-        .label_style(text(12, MUTED))
-        .axis_desc_style(text(12, MUTED))
+        .label_style(text(13, MUTED))
+        .axis_desc_style(text(13, MUTED))
         .y_label_formatter(&y_tick);
     if x.name.is_empty() {
         mesh.x_labels(7).x_label_formatter(&|_| String::new());

@@ -5,6 +5,7 @@ mod summary;
 mod tables;
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
+use tempco_fit::unit::AxisUnit;
 
 use crate::Subject;
 use crate::figure::{AxisFigures, Figure, Figures, dark_rules};
@@ -118,6 +119,11 @@ fn table(head: &[&str], rows: Vec<Vec<Markup>>) -> Markup {
             }
         }
     }
+}
+
+/// An axis with its unit.
+fn axis_cell(name: &str, unit: AxisUnit) -> Markup {
+    html! { (name) " " span.unit { "[" (unit) "]" } }
 }
 
 fn cell(text: impl std::fmt::Display) -> Markup {

@@ -4,7 +4,7 @@ use maud::{Markup, html};
 use tempco_fit::metrics::{Evaluation, Role};
 use tempco_fit::set::CoefficientSet;
 
-use super::{cell, table};
+use super::{axis_cell, cell, table};
 use crate::text::{figure, percent, seconds};
 use crate::{Subject, Verdict};
 
@@ -73,18 +73,16 @@ fn why(subject: &Subject) -> String {
 fn of_evaluation(evaluation: &Evaluation) -> Markup {
     let head = [
         "axis",
-        "unit",
-        "n",
         "before",
         "after",
         "better by",
+        "n",
         "over reference",
+        "RMSE after",
+        "largest",
+        "r with T",
+        "r with T'",
     ];
-    let head = [
-        &head[..],
-        &["RMSE after", "largest", "r with T", "r with T'"],
-    ]
-    .concat();
     let rows = evaluation.axes.iter().map(|axis| {
         let at_tau = axis.bias_stability.iter();
         let over = at_tau
@@ -92,12 +90,11 @@ fn of_evaluation(evaluation: &Evaluation) -> Markup {
             .find_map(|at| at.sigma.figure()?.improvement_over_reference);
         let r = axis.correlation_compensated.figure();
         vec![
-            cell(&axis.axis),
-            cell(axis.unit),
-            cell(axis.n),
+            axis_cell(&axis.axis, axis.unit),
             cell(figure(axis.sigma_raw)),
             cell(figure(axis.sigma_compensated)),
             cell(percent(axis.improvement)),
+            cell(axis.n),
             cell(over.map_or_else(|| "-".to_owned(), percent)),
             cell(figure(axis.rmse_compensated)),
             cell(figure(axis.max_abs_compensated)),
@@ -120,12 +117,11 @@ fn of_fit(set: &CoefficientSet) -> Markup {
         .find_map(|(_, axis)| Some(axis.statistics?.tau_s));
     let head = [
         "axis",
-        "unit",
-        "n",
         "before",
-        "one cubic",
         "after",
         "better by",
+        "one cubic",
+        "n",
         "RMSE before",
         "RMSE after",
     ];
@@ -139,13 +135,12 @@ fn of_fit(set: &CoefficientSet) -> Markup {
             }
         };
         Some(vec![
-            cell(&axis.name),
-            cell(axis.unit),
-            cell(s.n),
+            axis_cell(&axis.name, axis.unit),
             cell(sigma(s.sigma_raw)),
-            cell(sigma(s.sigma_cubic)),
             cell(sigma(s.sigma_compensated)),
             cell(percent(1.0 - s.sigma_compensated / s.sigma_raw)),
+            cell(sigma(s.sigma_cubic)),
+            cell(s.n),
             cell(figure(s.rmse_raw)),
             cell(figure(s.rmse_compensated)),
         ])

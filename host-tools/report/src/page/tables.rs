@@ -5,7 +5,7 @@ use tempco_fit::metrics::{self, Evaluation};
 use tempco_fit::set::{AxisSet, ChannelSet, CoefficientSet};
 use tempco_fit::{Candidate, HeldOutErrors};
 
-use super::{cell, table};
+use super::{axis_cell, cell, table};
 use crate::band::sigma_at;
 use crate::text::figure;
 
@@ -37,8 +37,7 @@ pub(super) fn uncertainty(set: &CoefficientSet) -> Markup {
             let sigmas = temps_c.filter_map(|temp_c| sigma_at(axis, temp_c));
             let largest = sigmas.reduce(f64::max)?;
             Some(vec![
-                cell(&axis.name),
-                cell(axis.unit),
+                axis_cell(&axis.name, axis.unit),
                 cell(figure(channel.table.static_range(number))),
                 cell(figure(largest)),
             ])
@@ -46,7 +45,7 @@ pub(super) fn uncertainty(set: &CoefficientSet) -> Markup {
         .collect();
     html! {
         @if !rows.is_empty() {
-            (table(&["axis", "unit", "bias range", "largest 1 sigma of the fit"], rows))
+            (table(&["axis", "bias range", "largest 1 sigma of the fit"], rows))
         }
     }
 }
@@ -57,8 +56,7 @@ pub(super) fn boundaries(set: &CoefficientSet) -> Markup {
         let range = channel.table.static_range(number);
         for boundary in metrics::boundaries(channel, number) {
             rows.push(vec![
-                cell(&axis.name),
-                cell(axis.unit),
+                axis_cell(&axis.name, axis.unit),
                 cell(format!(
                     "{:.2} to {:.2}",
                     boundary.t_min_c, boundary.t_max_c
@@ -74,7 +72,6 @@ pub(super) fn boundaries(set: &CoefficientSet) -> Markup {
     }
     let head = [
         "axis",
-        "unit",
         "overlap [degC]",
         "mismatch",
         "of the bias range",
@@ -198,8 +195,7 @@ fn held_out(errors: &[(&AxisSet, HeldOutErrors)]) -> Markup {
             html! { (figure(error)) span.bar { span style=(format!("width:{share:.0}%")) {} } }
         };
         vec![
-            cell(&axis.name),
-            cell(axis.unit),
+            axis_cell(&axis.name, axis.unit),
             bar(Some(errors.none)),
             bar(errors.static_model),
             bar(errors.cubic),
@@ -209,7 +205,6 @@ fn held_out(errors: &[(&AxisSet, HeldOutErrors)]) -> Markup {
     });
     let head = [
         "axis",
-        "unit",
         "none",
         "static",
         "one cubic",
@@ -260,8 +255,7 @@ pub(super) fn coefficients(set: &CoefficientSet) -> Markup {
             let values = polynomial.a.into_iter().chain(polynomial.r);
             let sigmas = sigmas.map_or([0.0; 5], |s| [s.a[0], s.a[1], s.a[2], s.r[0], s.r[1]]);
             let mut row = vec![
-                cell(&axis.name),
-                cell(axis.unit),
+                axis_cell(&axis.name, axis.unit),
                 cell(format!("{:.2} to {:.2}", segment.t_min_c, segment.t_max_c)),
             ];
             row.extend(values.zip(sigmas).map(|(value, sigma)| match (value, sigma) {
@@ -272,16 +266,7 @@ pub(super) fn coefficients(set: &CoefficientSet) -> Markup {
             rows.push(row);
         }
     }
-    let head = [
-        "axis",
-        "unit",
-        "segment [degC]",
-        "1",
-        "z",
-        "z\u{b2}",
-        "T'",
-        "z T'",
-    ];
+    let head = ["axis", "segment [degC]", "1", "z", "z\u{b2}", "T'", "z T'"];
     html! {
         section {
             h2 { "Coefficients" }
