@@ -1,10 +1,13 @@
 //! The report as a reader sees it: in a browser, on a narrow and a wide screen, light and dark.
 
 use std::fs;
+use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
 
+use serde_json::Value;
 use tempco_tests::browser::{Browser, Findings, Screen};
-use tempco_tests::{Bench, PAPER_SEGMENTS, root, shared};
+use tempco_tests::{Bench, PAPER_SEGMENTS, root, shared, tempco_path};
 
 const NARROW: u32 = 390;
 const WIDE: u32 = 1440;
@@ -126,4 +129,67 @@ fn the_look_notices_what_is_wrong(bench: &Bench, browser: &mut Browser) {
         );
     }
     assert_eq!(found(&good), Findings::new());
+}
+
+#[test]
+fn what_is_judged_is_printed_as_json_too() {
+    let bench = Bench::new();
+    let json = |args: &str| -> Value { serde_json::from_str(&bench.ok(args)).unwrap() };
+    bench.ok("simulate --unit paper --profile short --seed 3 --out log.csv");
+    let fitted = json("fit log.csv --serial S1 --out set --segments 6:45 --figures svg --json");
+    assert_eq!(fitted["verdict"], "accept with remarks");
+    assert_eq!(fitted["objections"], Value::Array(Vec::new()));
+    let files = ["coefficients.json", "table.rs", "report.html"];
+    for (file, name) in fitted["files"].as_array().unwrap().iter().zip(files) {
+        assert!(bench.path(file.as_str().unwrap()).ends_with(name), "{file}");
+        assert!(bench.path(file.as_str().unwrap()).is_file(), "{file}");
+    }
+    let inspected = json("inspect set/coefficients.json --json");
+    assert_eq!(inspected["set"], fitted["set"]);
+    assert_eq!(inspected["rejected"], false);
+    assert_eq!(inspected["channels"][0]["axes"][2]["axis"], "z");
+
+    let mut written: Vec<String> = fs::read_dir(bench.path("svg"))
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    let mut expected = figures(&["x", "y", "z"]);
+    expected.iter_mut().for_each(|name| name.push_str(".svg"));
+    written.sort();
+    expected.sort();
+    assert_eq!(written, expected);
+}
+
+#[test]
+fn without_a_report_logs_are_read_once_and_may_be_pipes() {
+    let bench = Bench::new();
+    bench.ok("simulate --unit paper --profile short --seed 3 --out log.csv");
+    let log = fs::read(bench.path("log.csv")).unwrap();
+    let pipe = |args: &'static str| {
+        let (log, folder) = (log.clone(), bench.path("."));
+        let mut child = Command::new(tempco_path())
+            .args(args.split_whitespace())
+            .current_dir(folder)
+            .stdin(Stdio::piped())
+            .stdout(Stdio::null())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut stdin = child.stdin.take().unwrap();
+        // Refused at once, it may not read what is written.
+        let writer = std::thread::spawn(move || stdin.write_all(&log).is_ok());
+        let output = child.wait_with_output().unwrap();
+        writer.join().unwrap();
+        (
+            output.status.code(),
+            String::from_utf8_lossy(&output.stderr).into_owned(),
+        )
+    };
+    let (code, said) = pipe("fit /dev/stdin --serial S1 --out set --segments 6:45");
+    assert_eq!(code, Some(2));
+    assert!(said.contains("reads a log twice"), "{said}");
+    assert_eq!(bench.files(), ["log.csv"], "nothing may be written");
+    let (code, said) = pipe("fit /dev/stdin --serial S1 --out set --segments 6:45 --no-report");
+    assert_eq!(code, Some(0), "{said}");
+    assert!(!bench.path("set/report.html").exists());
 }

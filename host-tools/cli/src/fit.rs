@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
 use clap::ValueEnum;
+use serde_json::json;
 use tempco::ThermalSettings;
 use tempco_fit::Stretch;
 use tempco_fit::fit::{Fit, FitOptions, fit};
@@ -83,6 +84,9 @@ pub(crate) struct Args {
     /// Write no report.html, for which every log is read once more
     #[arg(long)]
     no_report: bool,
+    /// Print one JSON object instead of tables: the set, the verdict and why, the files
+    #[arg(long, conflicts_with = "batch")]
+    json: bool,
     #[command(flatten)]
     reading: LogArgs,
 }
@@ -140,10 +144,22 @@ pub(crate) fn run(args: &Args) -> Result<Verdict> {
     }
     write_set(&args.out, &set, report.as_ref())?;
 
-    summarise(&set, args)?;
-    set.channels.iter().try_for_each(show_choice)?;
-    for remark in &remarks {
-        print(format_args!("remark: {remark}"))?;
+    let files = files(args);
+    if args.json {
+        print(json!({
+            "set": set,
+            "verdict": judgement.verdict().name(),
+            "objections": judgement.objections,
+            "remarks": judgement.remarks,
+            "files": files,
+        }))?;
+    } else {
+        summarise(&set, args.tau)?;
+        print(format_args!("wrote {}", files.join(", ")))?;
+        set.channels.iter().try_for_each(show_choice)?;
+        for remark in &remarks {
+            print(format_args!("remark: {remark}"))?;
+        }
     }
     for objection in &judgement.objections {
         eprintln!("not acceptable: {objection}");
@@ -211,7 +227,15 @@ pub(crate) fn write_set(out: &Path, set: &CoefficientSet, report: Option<&Report
     write_files(out, &files).context("nothing was written")
 }
 
-fn summarise(set: &CoefficientSet, args: &Args) -> Result<()> {
+/// Paths of what was written into the folder of the set.
+fn files(args: &Args) -> Vec<String> {
+    let names = ["coefficients.json", "table.rs"].into_iter();
+    let names = names.chain((!args.no_report).then_some(REPORT));
+    let paths = names.map(|name| args.out.join(name).display().to_string());
+    paths.collect()
+}
+
+fn summarise(set: &CoefficientSet, tau_s: f64) -> Result<()> {
     for channel in &set.channels {
         let data = &channel.table;
         print(format_args!(
@@ -269,15 +293,7 @@ fn summarise(set: &CoefficientSet, args: &Args) -> Result<()> {
     ];
     print(table(&header, rows))?;
     print(format_args!(
-        "on the fitted logs: RMSE of single rows, sigma of {} s means; cubic: one cubic in T on the \
-         same rows",
-        args.tau,
-    ))?;
-    let mut files = vec!["coefficients.json", "table.rs"];
-    files.extend((!args.no_report).then_some(REPORT));
-    let files = files
-        .iter()
-        .map(|name| args.out.join(name).display().to_string());
-    let files: Vec<String> = files.collect();
-    print(format_args!("wrote {}", files.join(", ")))
+        "on the fitted logs: RMSE of single rows, sigma of {tau_s} s means; cubic: one cubic in T on the \
+         same rows"
+    ))
 }

@@ -17,7 +17,7 @@ pub(crate) fn ensure_rereadable(paths: &[PathBuf]) -> Result<()> {
         .find(|path| path.exists() && !is_rereadable(path));
     ensure!(
         pipe.is_none(),
-        "{}: the report reads a log twice: expected a regular file, or no report",
+        "{}: the report reads a log twice: expected a regular file (`fit --no-report` reads it once)",
         pipe.map(|path| path.display().to_string())
             .unwrap_or_default()
     );

@@ -56,7 +56,10 @@ pub(super) fn draw(channel: &ChannelSet, map: &Map) -> Result<Figure, ReportErro
                 );
                 hovers.rectangle(a, b, text);
             }
-            chart.draw_series([Rectangle::new(calibrated, line(INK, 18))])?;
+            // plotters draws the outline of a rectangle in hairlines.
+            let [low, high] = calibrated;
+            let frame = vec![low, (low.0, high.1), high, (high.0, low.1), low];
+            chart.draw_series([PathElement::new(frame, line(INK, 18))])?;
             Ok(())
         },
     )

@@ -57,7 +57,8 @@ fn why(subject: &Subject) -> String {
     };
     let list: Vec<String> = improvements
         .into_iter()
-        .map(|(name, share)| format!("{name} {}", percent(share)))
+        // What belongs together stays on one line.
+        .map(|(name, share)| format!("{name} {}", percent(share)).replace(' ', "\u{a0}"))
         .collect();
     let log = match subject.evaluation.map(|e| e.log.role) {
         Some(Role::Verification) => "a log the set has not seen",
