@@ -152,7 +152,7 @@ fn ticks(range: &Range<f64>) -> impl Fn(&f64) -> String + use<> {
         } else {
             value
         };
-        if largest >= 1e5 || largest < 2e-3 {
+        if !(2e-3..1e5).contains(&largest) {
             return if value == 0.0 {
                 "0".into()
             } else {

@@ -49,7 +49,7 @@ pub struct LogTimes {
 pub struct Gatherer {
     tau_s: f64,
     logs: Vec<LogSums>,
-    coming: std::vec::IntoIter<LogTimes>,
+    times: Vec<LogTimes>,
     channels: Vec<ChannelSums>,
     axes: usize,
 }
@@ -91,7 +91,7 @@ impl Gatherer {
         Self {
             tau_s,
             logs: Vec::new(),
-            coming: logs.to_vec().into_iter(),
+            times: logs.to_vec(),
             channels: channels.map(|c| ChannelSums::new(c, tau_s)).collect(),
             axes: set.axes().count(),
         }
@@ -102,7 +102,7 @@ impl Gatherer {
     /// # Panics
     /// If there is no further log.
     pub fn begin_log(&mut self) {
-        let times = self.coming.next().expect("a log that was announced");
+        let times = self.times[self.logs.len()];
         self.logs.push(LogSums {
             times,
             tau_s: self.tau_s,
@@ -196,5 +196,143 @@ impl LogSums {
             channel.close_stretch(enough.then_some(middle_s), self.rows);
         }
         self.rows = 0.0;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use tempco::{Status, ThermalPoint};
+    use tempco_fit::apply::AxisOutput;
+    use tempco_fit::fit::{FitOptions, fit};
+    use tempco_fit::log::{Axis, Channel, Log};
+    use tempco_fit::rerun::ChannelAnswers;
+    use tempco_fit::set::Model;
+    use tempco_fit::unit::AxisUnit;
+
+    use super::*;
+
+    const ROWS: usize = 300_000;
+    const SPIKE: usize = 123_456;
+
+    fn set() -> CoefficientSet {
+        let temp_c: Vec<f32> = (0..5000).map(|i| 20.0 + 0.004 * i as f32).collect();
+        let raw = temp_c.iter().map(|&t| 0.01 * f64::from(t)).collect();
+        let log = Log {
+            file: "log.csv".to_owned(),
+            sha256: String::new(),
+            time_s: (0..5000).map(f64::from).collect(),
+            channels: vec![Channel {
+                column: "temp_c".to_owned(),
+                temp_c,
+                axes: vec![Axis {
+                    name: "x".to_owned(),
+                    unit: AxisUnit::Dph,
+                    raw,
+                }],
+            }],
+            ignored_columns: Vec::new(),
+            skipped_rows: 0,
+            interval_s: 1.0,
+        };
+        fit(&[log], &FitOptions::new("S1", Model::Static))
+            .unwrap()
+            .set
+    }
+
+    /// Rows of a ramp, 0.1 s apart: a bias of 1, of which 0.25 remains; once 9 remains.
+    fn answers(rows: std::ops::Range<usize>) -> Answers {
+        let of = |bias: f32| {
+            rows.clone()
+                .map(|row| {
+                    if row == SPIKE {
+                        bias + 9.0
+                    } else {
+                        bias + 0.25
+                    }
+                })
+                .collect()
+        };
+        Answers {
+            time_s: rows.clone().map(|row| 5.0 + 0.1 * row as f64).collect(),
+            status: vec![Status::OK; rows.len()],
+            channels: vec![ChannelAnswers {
+                points: rows
+                    .clone()
+                    .map(|row| ThermalPoint {
+                        effective_c: 20.0 + 1e-4 * row as f32,
+                        rate_c_per_min: 0.06,
+                        ..ThermalPoint::default()
+                    })
+                    .collect(),
+                axes: vec![AxisOutput {
+                    raw: of(1.0),
+                    bias: vec![1.0; rows.len()],
+                    compensated: of(0.0),
+                }],
+            }],
+        }
+    }
+
+    fn gathered(logs: usize, chunk: usize) -> Gathered {
+        let duration_s = 0.1 * (ROWS - 1) as f64;
+        let times = LogTimes {
+            interval_s: 0.1,
+            duration_s,
+        };
+        let mut gatherer = Gatherer::new(&set(), 100.0, &vec![times; logs]);
+        for _ in 0..logs {
+            gatherer.begin_log();
+            for start in (0..ROWS).step_by(chunk) {
+                gatherer.push(&answers(start..(start + chunk).min(ROWS)));
+            }
+        }
+        gatherer.finish()
+    }
+
+    #[test]
+    fn a_single_row_is_not_lost_and_constants_are() {
+        let gathered = gathered(1, 1 << 14);
+        let axis = &gathered.axes[0];
+        assert!(axis.rows.len() <= MOST_TIMES && axis.means.len() <= MOST_TIMES);
+        let (at_h, extreme) = axis
+            .rows
+            .iter()
+            .max_by(|a, b| a.1.max.total_cmp(&b.1.max))
+            .unwrap();
+        assert!((extreme.max - 8.75).abs() < 1e-3, "{extreme:?}");
+        assert!((at_h - 0.1 * SPIKE as f64 / 3600.0).abs() < 0.02);
+        let means = axis.means.iter().map(|(_, [_, after])| after.max);
+        assert!((means.fold(0.0, f64::max) - 8.75 / 1000.0).abs() < 1e-4);
+        for (_, places) in axis.by_temp.iter() {
+            let place = places[Direction::Heating as usize];
+            assert!((place.bias.mean().unwrap() - 1.0).abs() < 1e-12);
+            assert!(place.residual.mean().unwrap().abs() < 1e-3);
+            assert_eq!(places[Direction::Cooling as usize].bias.n, 0.0);
+        }
+    }
+
+    #[test]
+    fn all_time_is_on_the_map_and_logs_follow_each_other() {
+        let gathered = gathered(2, 50_000);
+        let whole_s: f64 = gathered.channels[0].map.time_s.values().sum();
+        assert!((whole_s - 0.2 * ROWS as f64).abs() < 1e-3, "{whole_s}");
+        let start_h = 0.1 * ROWS as f64 / 3600.0;
+        assert_eq!(gathered.starts_h.len(), 2);
+        assert!((gathered.starts_h[1] - start_h).abs() < 1e-9);
+        let axis = &gathered.axes[0];
+        let last_h = axis.means.last().unwrap().0;
+        assert!((1.9 * start_h..2.0 * start_h).contains(&last_h), "{last_h}");
+        let n: f64 = axis.by_temp.iter().map(|(_, p)| p[2].bias.n).sum();
+        assert_eq!(n, 2.0 * ROWS as f64 / 1000.0);
+        assert_eq!(axis.allan_rows, ROWS as u64);
+    }
+
+    #[test]
+    fn the_size_of_chunks_does_not_matter() {
+        let (a, b) = (gathered(1, 999), gathered(1, 77_777));
+        assert_eq!(a.axes[0].means, b.axes[0].means);
+        assert_eq!(a.axes[0].rows, b.axes[0].rows);
+        assert_eq!(a.axes[0].allan, b.axes[0].allan);
+        assert_eq!(a.channels[0].temps_c, b.channels[0].temps_c);
     }
 }
