@@ -132,6 +132,33 @@ fn the_look_notices_what_is_wrong(bench: &Bench, browser: &mut Browser) {
 }
 
 #[test]
+fn the_page_rejects_what_does_harm_and_trusts_no_name() {
+    let bench = Bench::new();
+    bench.ok("simulate --unit paper --profile short --seed 3 --out log.csv");
+    // What the set takes out is then what it should put in.
+    let log = fs::read_to_string(bench.path("log.csv")).unwrap();
+    let lines = log.lines().map(|line| match line.rsplit_once(',') {
+        Some((rest, z)) if !line.starts_with("time") => {
+            format!("{rest},{}", -z.parse::<f64>().unwrap())
+        }
+        _ => line.to_owned(),
+    });
+    bench.write("turned.csv", &lines.collect::<Vec<_>>().join("\n"));
+    bench.ok("fit log.csv --serial <b>&\"S1 --out set --segments 6:45");
+    let page = |name: &str| fs::read_to_string(bench.path(name)).unwrap();
+    let fitted = page("set/report.html");
+    assert!(fitted.contains("Calibration of unit &lt;b&gt;&amp;&quot;S1</h1>"));
+    assert!(fitted.contains("verdict remarks") && fitted.contains("not yet judged on"));
+    let ran = bench.run("evaluate set/coefficients.json turned.csv --report turned.html");
+    assert_eq!(ran.code, 1, "{}{}", ran.out, ran.err);
+    let rejected = page("turned.html");
+    assert!(rejected.contains("verdict reject"));
+    assert!(rejected.contains("axis z: compensation is no better than none on turned.csv"));
+    bench.ok("evaluate set/coefficients.json log.csv --report log.html");
+    assert!(page("log.html").contains("judged on a log it was fitted to"));
+}
+
+#[test]
 fn what_is_judged_is_printed_as_json_too() {
     let bench = Bench::new();
     let json = |args: &str| -> Value { serde_json::from_str(&bench.ok(args)).unwrap() };

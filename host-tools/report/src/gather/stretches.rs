@@ -83,7 +83,9 @@ mod tests {
     #[test]
     fn gaps_end_a_stretch_and_jitter_does_not() {
         let mut stretches = LongestStretch::new(1.0, 1);
-        for time_s in [0.0, 1.0, 2.4, 3.0, 5.0, 6.0, 6.2, 7.0, 8.0, 9.0, 9.9, 11.0] {
+        for time_s in [
+            0.0, 1.0, 2.4, 3.0, 5.0, 6.0, 6.2, 7.0, 8.0, 9.0, 9.9, 11.0, 20.0, 21.0,
+        ] {
             stretches.at(time_s).series[0].add(time_s);
         }
         let longest = stretches.longest();
