@@ -21,7 +21,7 @@ const KEYS: [Key; 5] = [
     (Mark::Dot(COOLING), "cooling"),
     (Mark::Cross(MUTED), "steady"),
     (Mark::Line(INK), "fit at T' = 0"),
-    (Mark::Band(INK), "1 sigma"),
+    (Mark::Band(INK, BAND), "1 sigma"),
 ];
 
 /// Colour of a direction, and what it is called.

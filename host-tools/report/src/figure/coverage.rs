@@ -12,11 +12,15 @@ use crate::gather::Map;
 /// Opacity of cells, and the least time for it \[min\].
 const SHADES: [(f64, f64); 4] = [(0.2, 0.0), (0.4, 1.0), (0.65, 10.0), (1.0, 60.0)];
 
+const KEYS: [Key; 5] = [
+    (Mark::Band(COOLING, SHADES[0].0), "less"),
+    (Mark::Band(COOLING, SHADES[1].0), "1 min"),
+    (Mark::Band(COOLING, SHADES[2].0), "10 min"),
+    (Mark::Band(COOLING, SHADES[3].0), "1 h or more"),
+    (Mark::Line(INK), "calibrated"),
+];
+
 pub(super) fn draw(channel: &ChannelSet, map: &Map) -> Result<Figure, ReportError> {
-    const KEYS: [Key; 2] = [
-        (Mark::Band(COOLING), "time: any, 1 min, 10 min, 1 h or more"),
-        (Mark::Line(INK), "calibrated"),
-    ];
     let (table, thermal) = (&channel.table, &channel.table.thermal);
     let calibrated = [
         (table.t_min_c, thermal.rate_min_c_per_min),

@@ -25,7 +25,7 @@ pub(super) const BELOW: i32 = 40;
 pub(super) enum Mark {
     Line(RGBColor),
     Dashed(RGBColor),
-    Band(RGBColor),
+    Band(RGBColor, f64),
     Triangle(RGBColor),
     Dot(RGBColor),
     Cross(RGBColor),
@@ -79,9 +79,9 @@ fn draw_key(area: &Area, mark: Mark, (x, y): (i32, i32)) -> Result<(), DrawError
             area.draw(&PathElement::new(dash(0, 6), line(colour, 20)))?;
             area.draw(&PathElement::new(dash(10, 16), line(colour, 20)))
         }
-        Mark::Band(colour) => area.draw(&Rectangle::new(
+        Mark::Band(colour, opacity) => area.draw(&Rectangle::new(
             [(x, y - FINE * 5), (x + FINE * 16, y + FINE * 5)],
-            colour.mix(BAND).filled(),
+            colour.mix(opacity).filled(),
         )),
         Mark::Triangle(colour) => area.draw(&triangle(middle, colour)),
         Mark::Dot(colour) => area.draw(&dot(middle, colour)),

@@ -6,7 +6,7 @@ use tempco_fit::set::AxisSet;
 use super::bias::of_direction;
 use super::canvas::{DrawError, FINE, Figure, Hovers};
 use super::frame::{
-    Chart, Key, Mark, Scale, axes, cross, dot, line, range_of, titled, triangle, with_unit,
+    BAND, Chart, Key, Mark, Scale, axes, cross, dot, line, range_of, titled, triangle, with_unit,
 };
 use super::palette::{AFTER, COOLING, HEATING, INK, MUTED, OTHER};
 use super::traces::{band, extremes, hours, point_out, runs, starts, trace};
@@ -22,7 +22,7 @@ pub(super) fn over_time(
 ) -> Result<Figure, ReportError> {
     const KEYS: [Key; 2] = [
         (Mark::Line(AFTER), "means"),
-        (Mark::Band(OTHER), "single rows, lowest to highest"),
+        (Mark::Band(OTHER, BAND), "single rows, lowest to highest"),
     ];
     let (name, unit) = (&axis.name, axis.unit.symbol());
     let means: Vec<(f64, Spread)> = shown

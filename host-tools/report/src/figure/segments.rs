@@ -16,7 +16,7 @@ const STEPS: u32 = 40;
 const KEYS: [Key; 3] = [
     (Mark::Line(HEATING), "segments, in turn"),
     (Mark::Dashed(COOLING), ""),
-    (Mark::Band(INK), "overlap or boundary"),
+    (Mark::Band(INK, BAND), "overlap or boundary"),
 ];
 
 pub(super) fn draw(channel: &ChannelSet, number: usize) -> Result<Figure, ReportError> {
