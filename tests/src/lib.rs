@@ -2,6 +2,7 @@
 //! project.
 #![forbid(unsafe_code)]
 
+pub mod browser;
 pub mod ln100;
 
 use std::path::{Path, PathBuf};

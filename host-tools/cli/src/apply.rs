@@ -1,16 +1,16 @@
 //! `tempco apply`: a log with its bias taken out.
 
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use tempco::Status;
 use tempco_fit::apply::{Applied, apply, inputs};
 use tempco_fit::log::Log;
-use tempco_fit::set::{CoefficientSet, write_files};
+use tempco_fit::set::CoefficientSet;
 
 use crate::Verdict;
-use crate::output::print;
+use crate::output::{print, write_file};
 use crate::shared_args::SetAndLog;
 
 /// Compensate a log with a coefficient set, by the code that flies
@@ -36,7 +36,7 @@ pub(crate) fn run(args: &Args) -> Result<Verdict> {
         );
     }
     let applied = apply(&set, &log)?;
-    write_csv(&args.out, &to_csv(&set, &log, &applied)?)?;
+    write_file(&args.out, &to_csv(&set, &log, &applied)?)?;
     let remarked = applied.status.iter().filter(|s| **s != Status::OK).count();
     print(format_args!(
         "{} rows, {remarked} of them with remarks in their status; wrote {}",
@@ -44,20 +44,6 @@ pub(crate) fn run(args: &Args) -> Result<Verdict> {
         args.out.display()
     ))?;
     Ok(Verdict::Acceptable)
-}
-
-/// Writes a file in one move, so that no half-written one is ever seen.
-fn write_csv(path: &Path, contents: &[u8]) -> Result<()> {
-    let name = path
-        .file_name()
-        .and_then(|name| name.to_str())
-        .with_context(|| format!("{}: expected the name of a file", path.display()))?;
-    let folder = match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
-    write_files(folder, &[(name, contents)])?;
-    Ok(())
 }
 
 fn to_csv(set: &CoefficientSet, log: &Log, applied: &Applied) -> Result<Vec<u8>> {

@@ -8,9 +8,10 @@ use tempco_fit::fit::{FitOptions, fit};
 use tempco_fit::log::{ReadOptions, read_log_observed};
 use tempco_fit::parallel;
 use tempco_fit::set::write_files;
+use tempco_report::Judgement;
 
 use crate::Verdict;
-use crate::fit::write_set;
+use crate::fit::{report_on, write_set};
 use crate::output::{figure, percent, print, table};
 use crate::progress::Progress;
 
@@ -20,13 +21,14 @@ pub(crate) fn run(
     out: &Path,
     reading: &ReadOptions,
     options: &FitOptions,
+    with_report: bool,
 ) -> Result<Verdict> {
     let units = find_units(folder, out)?;
     let progress = Progress::over(units.iter().flat_map(|unit| &unit.logs));
     let outcomes = parallel::map(&units, |unit| Outcome {
         serial: unit.serial.clone(),
         logs: unit.logs.len(),
-        result: fit_unit(unit, out, reading, options, &progress)
+        result: fit_unit(unit, out, (reading, options), with_report, &progress)
             .map_err(|error| format!("{error:#}")),
     });
     drop(progress);
@@ -47,8 +49,8 @@ pub(crate) fn run(
 fn fit_unit(
     unit: &UnitLogs,
     out: &Path,
-    reading: &ReadOptions,
-    options: &FitOptions,
+    (reading, options): (&ReadOptions, &FitOptions),
+    with_report: bool,
     progress: &Progress,
 ) -> Result<UnitFigures> {
     ensure!(
@@ -65,7 +67,15 @@ fn fit_unit(
         ..options.clone()
     };
     let fit = fit(&logs, &options)?;
-    write_set(&out.join(&unit.serial), &fit.set)?;
+    drop(logs);
+    let report = if with_report {
+        let judgement = Judgement::new(&fit.set, None, &fit.remarks);
+        let (logs, tau_s) = (&unit.logs, options.tau_s);
+        Some(report_on(&fit.set, &judgement, logs, reading, tau_s)?)
+    } else {
+        None
+    };
+    write_set(&out.join(&unit.serial), &fit.set, report.as_ref())?;
     Ok(UnitFigures::new(&fit))
 }
 

@@ -7,10 +7,13 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, ensure};
 use tempco_fit::load_set;
 use tempco_fit::metrics::{Evaluation, Role, evaluate};
-use tempco_fit::set::{CoefficientSet, write_files};
+use tempco_fit::rerun::Reread;
+use tempco_fit::set::CoefficientSet;
+use tempco_report::{Judgement, Report, Subject};
 
 use crate::Verdict;
-use crate::output::print;
+use crate::output::{print, write_file};
+use crate::report::{Found, ensure_rereadable, gather, write_figures};
 use crate::shared_args::SetAndLog;
 
 /// Judge a coefficient set on a log
@@ -38,6 +41,12 @@ pub(crate) struct Args {
     /// Print one JSON object instead of tables
     #[arg(long)]
     json: bool,
+    /// Write the report of the verification, for which the log is read once more
+    #[arg(long, value_name = "FILE.html")]
+    report: Option<PathBuf>,
+    /// Write the figures of the report into a folder, as SVG files
+    #[arg(long, value_name = "DIR")]
+    figures: Option<PathBuf>,
     // Last, since what follows would stand under its heading.
     #[command(flatten)]
     put: SetAndLog,
@@ -49,10 +58,23 @@ pub(crate) fn run(args: &Args) -> Result<Verdict> {
         "--tau {}: expected seconds, above 0",
         args.tau
     );
+    if args.report.is_some() || args.figures.is_some() {
+        ensure_rereadable(std::slice::from_ref(&args.put.log))?;
+    }
     let (set, log) = args.put.read()?;
     let against = args.against.as_deref().map(load_set).transpose()?;
     let evaluation = evaluate(&set, &log, against.as_ref(), args.tau)
         .with_context(|| args.put.log.display().to_string())?;
+    let found = Found {
+        log: Reread {
+            path: args.put.log.clone(),
+            interval_s: log.interval_s,
+            sha256: log.sha256.clone(),
+        },
+        duration_s: log.time_s[log.rows() - 1] - log.time_s[0],
+    };
+    drop(log);
+    write_report(args, &set, &evaluation, found)?;
     if args.json {
         print(serde_json::to_string(&evaluation)?)?;
     } else {
@@ -71,6 +93,33 @@ pub(crate) fn run(args: &Args) -> Result<Verdict> {
     Ok(Verdict::of(worse.is_empty()))
 }
 
+/// Writes what was asked for of report and figures.
+fn write_report(
+    args: &Args,
+    set: &CoefficientSet,
+    evaluation: &Evaluation,
+    found: Found,
+) -> Result<()> {
+    if args.report.is_none() && args.figures.is_none() {
+        return Ok(());
+    }
+    let reading = args.put.reading.options(set.settings.scale_factor_arcsec)?;
+    let gathered = gather(set, args.tau, &[found], &reading)?;
+    let subject = Subject {
+        set,
+        evaluation: Some(evaluation),
+        judgement: &Judgement::new(set, Some(evaluation), &[]),
+    };
+    let report = Report::new(subject, gathered)?;
+    if let Some(folder) = &args.figures {
+        write_figures(&report, folder)?;
+    }
+    if let Some(path) = &args.report {
+        write_file(path, report.html.as_bytes())?;
+    }
+    Ok(())
+}
+
 fn sign_off(path: &Path, mut set: CoefficientSet, evaluation: &Evaluation) -> Result<()> {
     let shown = path.display();
     ensure!(
@@ -85,13 +134,7 @@ fn sign_off(path: &Path, mut set: CoefficientSet, evaluation: &Evaluation) -> Re
     );
     set.sign_offs.push(evaluation.sign_off());
     let json = serde_json::to_string_pretty(&set)? + "\n";
-    let name = path.file_name().and_then(|name| name.to_str());
-    let name = name.with_context(|| format!("--sign-off: {shown}: expected a file name"))?;
-    let folder = match path.parent() {
-        Some(folder) if folder != Path::new("") => folder,
-        _ => Path::new("."),
-    };
-    write_files(folder, &[(name, json.as_bytes())]).context("the verdict was not noted")?;
+    write_file(path, json.as_bytes()).context("the verdict was not noted")?;
     let verdict = if set.is_rejected() {
         "rejected"
     } else {

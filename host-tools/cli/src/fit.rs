@@ -4,22 +4,29 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Error, Result, ensure};
 use clap::ValueEnum;
+use serde_json::json;
 use tempco::ThermalSettings;
 use tempco_fit::Stretch;
 use tempco_fit::fit::{Fit, FitOptions, fit};
+use tempco_fit::log::ReadOptions;
 use tempco_fit::segment::{Overlap, Segmentation};
 use tempco_fit::set::{CoefficientSet, Model, table_bin, table_h, table_rs, write_files};
+use tempco_report::{Judgement, Report, Subject};
 
 use crate::Verdict;
 use crate::batch;
 use crate::output::{figure, percent, print, table};
+use crate::report::{ensure_rereadable, fitted_logs, gather, write_figures};
 use crate::set_tables::show_choice;
 use crate::shared_args::LogArgs;
 
+/// Name of the report beside the set.
+const REPORT: &str = "report.html";
+
 /// Fit a coefficient set to one or more chamber logs of a unit
 ///
-/// Writes DIR/coefficients.json, and the table for firmware as DIR/table.bin (flash image),
-/// DIR/table.rs and DIR/table.h: all of them or none. With --batch, every unit found in a
+/// Writes DIR/coefficients.json, DIR/report.html, and the table for firmware as DIR/table.bin (flash
+/// image), DIR/table.rs and DIR/table.h: all of them or none. With --batch, every unit found in a
 /// folder: DIR/SERIAL/ for each, DIR/summary.csv and DIR/summary.html; a unit that fails is in the
 /// summary with its error and makes the exit code 1, the others are fitted all the same.
 #[derive(clap::Args)]
@@ -72,6 +79,15 @@ pub(crate) struct Args {
         allow_negative_numbers = true
     )]
     tau: f64,
+    /// Write the figures of the report into a folder as well, as SVG files
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["batch", "no_report"])]
+    figures: Option<PathBuf>,
+    /// Write no report.html, for which every log is read once more
+    #[arg(long)]
+    no_report: bool,
+    /// Print one JSON object instead of tables: the set, the verdict and why, the files
+    #[arg(long, conflicts_with = "batch")]
+    json: bool,
     #[command(flatten)]
     reading: LogArgs,
 }
@@ -108,23 +124,65 @@ pub(crate) fn run(args: &Args) -> Result<Verdict> {
         "--overlap spline: expected with --model spline only, whose segments are fitted together"
     );
     let options = options(args);
+    let reading = args.reading.options(None)?;
     if let Some(folder) = &args.batch {
-        return batch::run(folder, &args.out, &args.reading.options(None)?, &options);
+        return batch::run(folder, &args.out, &reading, &options, !args.no_report);
+    }
+    if !args.no_report {
+        ensure_rereadable(&args.logs)?;
     }
     let logs = args.reading.read_all(&args.logs)?;
     let Fit { set, remarks } = fit(&logs, &options)?;
-    write_set(&args.out, &set)?;
-
-    summarise(&set, args)?;
-    set.channels.iter().try_for_each(show_choice)?;
-    for remark in &remarks {
-        print(format_args!("remark: {remark}"))?;
+    drop(logs);
+    let judgement = Judgement::new(&set, None, &remarks);
+    let report = if args.no_report {
+        None
+    } else {
+        Some(report_on(&set, &judgement, &args.logs, &reading, args.tau)?)
+    };
+    if let (Some(report), Some(folder)) = (&report, &args.figures) {
+        write_figures(report, folder)?;
     }
-    let alarm = set
-        .channels
-        .iter()
-        .any(|channel| (0..channel.axes.len()).any(|axis| channel.mismatch_alarm(axis)));
-    Ok(Verdict::of(!alarm))
+    write_set(&args.out, &set, report.as_ref())?;
+
+    let files = files(args);
+    if args.json {
+        print(json!({
+            "set": set,
+            "verdict": judgement.verdict().name(),
+            "objections": judgement.objections,
+            "remarks": judgement.remarks,
+            "files": files,
+        }))?;
+    } else {
+        summarise(&set, args.tau)?;
+        print(format_args!("wrote {}", files.join(", ")))?;
+        set.channels.iter().try_for_each(show_choice)?;
+        for remark in &remarks {
+            print(format_args!("remark: {remark}"))?;
+        }
+    }
+    for objection in &judgement.objections {
+        eprintln!("not acceptable: {objection}");
+    }
+    Ok(Verdict::of(judgement.objections.is_empty()))
+}
+
+/// The report on a set and the logs it was fitted to.
+pub(crate) fn report_on(
+    set: &CoefficientSet,
+    judgement: &Judgement,
+    logs: &[PathBuf],
+    reading: &ReadOptions,
+    tau_s: f64,
+) -> Result<Report> {
+    let gathered = gather(set, tau_s, &fitted_logs(set, logs), reading)?;
+    let subject = Subject {
+        set,
+        evaluation: None,
+        judgement,
+    };
+    Ok(Report::new(subject, gathered)?)
 }
 
 fn options(args: &Args) -> FitOptions {
@@ -159,20 +217,29 @@ fn options(args: &Args) -> FitOptions {
 }
 
 /// Writes the files of a set, all or none.
-pub(crate) fn write_set(out: &Path, set: &CoefficientSet) -> Result<()> {
+pub(crate) fn write_set(out: &Path, set: &CoefficientSet, report: Option<&Report>) -> Result<()> {
     let json = serde_json::to_string_pretty(set)? + "\n";
     let image = table_bin(set).map_err(Error::msg)?;
     let (rust, c) = (table_rs(set), table_h(set));
-    let files = [
+    let mut files = vec![
         ("coefficients.json", json.as_bytes()),
         ("table.bin", &image),
         ("table.rs", rust.as_bytes()),
         ("table.h", c.as_bytes()),
     ];
+    files.extend(report.map(|report| (REPORT, report.html.as_bytes())));
     write_files(out, &files).context("nothing was written")
 }
 
-fn summarise(set: &CoefficientSet, args: &Args) -> Result<()> {
+/// Paths of what was written into the folder of the set.
+fn files(args: &Args) -> Vec<String> {
+    let names = ["coefficients.json", "table.bin", "table.rs", "table.h"].into_iter();
+    let names = names.chain((!args.no_report).then_some(REPORT));
+    let paths = names.map(|name| args.out.join(name).display().to_string());
+    paths.collect()
+}
+
+fn summarise(set: &CoefficientSet, tau_s: f64) -> Result<()> {
     for channel in &set.channels {
         let data = &channel.table;
         print(format_args!(
@@ -230,9 +297,7 @@ fn summarise(set: &CoefficientSet, args: &Args) -> Result<()> {
     ];
     print(table(&header, rows))?;
     print(format_args!(
-        "on the fitted logs: RMSE of single rows, sigma of {} s means; cubic: one cubic in T on the \
-         same rows\nwrote coefficients.json, table.bin, table.rs and table.h in {}",
-        args.tau,
-        args.out.display()
+        "on the fitted logs: RMSE of single rows, sigma of {tau_s} s means; cubic: one cubic in T on the \
+         same rows"
     ))
 }

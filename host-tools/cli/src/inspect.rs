@@ -3,8 +3,10 @@
 use std::path::PathBuf;
 
 use anyhow::{Result, ensure};
+use serde_json::{Value, json};
 use tempco_fit::load_set;
-use tempco_fit::set::{ChannelSet, MISMATCH_ALARM};
+use tempco_fit::metrics::boundaries;
+use tempco_fit::set::{ChannelSet, CoefficientSet, MISMATCH_ALARM};
 
 use crate::Verdict;
 use crate::image;
@@ -26,10 +28,14 @@ pub(crate) struct Args {
     /// Of a flash image: the coefficients.json it should be made from
     #[arg(long, value_name = "SET")]
     against: Option<PathBuf>,
+    /// Print one JSON object instead of tables: the set and what is derived from it
+    #[arg(long)]
+    json: bool,
 }
 
 pub(crate) fn run(args: &Args) -> Result<Verdict> {
     if args.set.extension().is_some_and(|name| name == "bin") {
+        ensure!(!args.json, "--json: expected with a coefficient set only");
         return image::inspect(&args.set, args.against.as_deref());
     }
     ensure!(
@@ -37,6 +43,63 @@ pub(crate) fn run(args: &Args) -> Result<Verdict> {
         "--against: expected with a flash image (.bin) only"
     );
     let set = load_set(&args.set)?;
+    let alarms = alarms(&set);
+    if args.json {
+        print(derived(&set, &alarms))?;
+    } else {
+        show(&set)?;
+    }
+    if set.is_rejected() {
+        eprintln!("rejected: the last verification log found it no better than none");
+    }
+    if !alarms.is_empty() {
+        eprintln!(
+            "alarm: neighbouring segments disagree by more than {:.0} % of the bias range on {}",
+            100.0 * MISMATCH_ALARM,
+            alarms.join(", ")
+        );
+    }
+    Ok(Verdict::of(alarms.is_empty() && !set.is_rejected()))
+}
+
+/// The axes whose neighbouring segments disagree too much.
+fn alarms(set: &CoefficientSet) -> Vec<&str> {
+    let mut alarms = Vec::new();
+    for channel in &set.channels {
+        for (number, axis) in channel.axes.iter().enumerate() {
+            if channel.mismatch_alarm(number) {
+                alarms.push(axis.name.as_str());
+            }
+        }
+    }
+    alarms
+}
+
+/// The set with what follows from it.
+fn derived(set: &CoefficientSet, alarms: &[&str]) -> Value {
+    let of_channel = |channel: &ChannelSet| {
+        let axes = channel.axes.iter().enumerate().map(|(number, axis)| {
+            json!({
+                "axis": axis.name,
+                "unit": axis.unit,
+                "static_range": channel.table.static_range(number),
+                "rounding_bound": channel.table.rounding_bound(number).total,
+                "max_jump": channel.table.max_jump(number),
+                "boundaries": boundaries(channel, number),
+            })
+        });
+        json!({"temperature": channel.temperature, "axes": axes.collect::<Vec<_>>()})
+    };
+    let channels: Vec<Value> = set.channels.iter().map(of_channel).collect();
+    json!({
+        "set": set,
+        "rejected": set.is_rejected(),
+        "alarms": alarms,
+        "channels": channels,
+    })
+}
+
+fn show(set: &CoefficientSet) -> Result<()> {
     print(format_args!(
         "unit {}, {} model, {} overlap, table CRC-32P4 {}",
         set.serial,
@@ -68,26 +131,7 @@ pub(crate) fn run(args: &Args) -> Result<Verdict> {
             verdict.file, verdict.judged
         ))?;
     }
-    if set.is_rejected() {
-        eprintln!("rejected: the last verification log found it no better than none");
-    }
-    let mut alarms = Vec::new();
-    for channel in &set.channels {
-        show_channel(channel)?;
-        for (number, axis) in channel.axes.iter().enumerate() {
-            if channel.mismatch_alarm(number) {
-                alarms.push(axis.name.as_str());
-            }
-        }
-    }
-    if !alarms.is_empty() {
-        eprintln!(
-            "alarm: neighbouring segments disagree by more than {:.0} % of the bias range on {}",
-            100.0 * MISMATCH_ALARM,
-            alarms.join(", ")
-        );
-    }
-    Ok(Verdict::of(alarms.is_empty() && !set.is_rejected()))
+    set.channels.iter().try_for_each(show_channel)
 }
 
 fn show_channel(channel: &ChannelSet) -> Result<()> {

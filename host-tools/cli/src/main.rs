@@ -11,6 +11,7 @@ mod inspect;
 mod output;
 mod progress;
 mod replay;
+mod report;
 mod set_tables;
 mod shared_args;
 mod simulate;

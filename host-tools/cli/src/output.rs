@@ -1,9 +1,12 @@
 //! How results are shown and written.
 
 use std::io::{self, Write};
+use std::path::Path;
 
-use anyhow::Result;
+use anyhow::{Context, Result};
 use comfy_table::{CellAlignment, Table, presets};
+use tempco_fit::set::write_files;
+pub(crate) use tempco_report::{figure, percent};
 
 /// A table with the first column to the left and all others, being figures, to the right.
 pub(crate) fn table(header: &[&str], rows: impl IntoIterator<Item = Vec<String>>) -> Table {
@@ -25,49 +28,22 @@ pub(crate) fn print(text: impl std::fmt::Display) -> Result<()> {
     Ok(())
 }
 
-/// A figure in four significant digits.
-pub(crate) fn figure(value: f64) -> String {
-    let magnitude = value.abs();
-    if value == 0.0 {
-        "0".to_owned()
-    } else if (1e-4..1e5).contains(&magnitude) {
-        let decimals = (3 - magnitude.log10().floor() as i32).max(0);
-        format!("{value:.*}", decimals as usize)
-    } else {
-        format!("{value:.3e}")
-    }
-}
-
-/// A share in per cent; nothing where it could not be formed.
-pub(crate) fn percent(share: f64) -> String {
-    if share.is_finite() {
-        format!("{:+.1} %", 100.0 * share)
-    } else {
-        "-".to_owned()
-    }
+/// Writes a file in one move, so that no half-written one is ever seen.
+pub(crate) fn write_file(path: &Path, contents: &[u8]) -> Result<()> {
+    let name = path
+        .file_name()
+        .and_then(|name| name.to_str())
+        .with_context(|| format!("{}: expected the name of a file", path.display()))?;
+    let folder = match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    write_files(folder, &[(name, contents)])?;
+    Ok(())
 }
 
 pub(crate) fn is_broken_pipe(error: &anyhow::Error) -> bool {
     error
         .downcast_ref::<io::Error>()
         .is_some_and(|error| error.kind() == io::ErrorKind::BrokenPipe)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::figure;
-
-    #[test]
-    fn figures_have_four_digits() {
-        for (value, text) in [
-            (0.0, "0"),
-            (0.012345, "0.01235"),
-            (-1.5, "-1.500"),
-            (98765.4, "98765"),
-            (1.23456e-7, "1.235e-7"),
-            (f64::NAN, "NaN"),
-        ] {
-            assert_eq!(figure(value), text);
-        }
-    }
 }

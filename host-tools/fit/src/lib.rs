@@ -24,6 +24,7 @@ pub mod metrics;
 pub mod model;
 pub mod parallel;
 mod regress;
+pub mod rerun;
 pub mod rfactor;
 mod rounding;
 mod screen;

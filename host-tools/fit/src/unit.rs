@@ -79,6 +79,22 @@ pub enum ColumnUnit {
     Pulses,
 }
 
+impl ColumnUnit {
+    /// What a value of the column is multiplied by, and the unit it is then in. Pulses of rows
+    /// `interval_s` apart become angles by a scale factor \[arcsec per pulse\]; 1 arcsec/s is 1 deg/h.
+    pub fn in_axis_unit(
+        self,
+        interval_s: f64,
+        scale_factor_arcsec: Option<f64>,
+    ) -> (f64, AxisUnit) {
+        match (self, scale_factor_arcsec) {
+            (Self::Direct(unit), _) => (1.0, unit),
+            (Self::Pulses, Some(scale_factor)) => (scale_factor / interval_s, AxisUnit::Dph),
+            (Self::Pulses, None) => (1.0 / interval_s, AxisUnit::PulsesPerS),
+        }
+    }
+}
+
 /// The units a column may have, for messages.
 pub const COLUMN_UNITS: &str = "dph, dps, radps, pulses, pulses_per_s, mps2, g";
 

@@ -53,27 +53,27 @@ fn has_target(workspace: &Workspace, target: &str) -> bool {
 /// # Errors
 /// It is missing and this may not install it; the error says how to.
 pub fn ensure_qemu(workspace: &Workspace) -> Result<(), Error> {
+    ensure_program(workspace, "qemu-system-arm")
+}
+
+/// Installs a program with apt-get, unless it is there. The Debian package has its name.
+///
+/// # Errors
+/// It is missing and this may not install it; the error says how to.
+pub fn ensure_program(workspace: &Workspace, program: &str) -> Result<(), Error> {
     let _lock = workspace.lock()?;
-    if checked(Command::new("qemu-system-arm").arg("--version")).is_ok() {
+    if checked(Command::new(program).arg("--version")).is_ok() {
         return Ok(());
     }
     if !is_root() || checked(Command::new("apt-get").arg("--version")).is_err() {
         return Err(Error::Missing {
-            missing: "qemu-system-arm".to_owned(),
-            command: "sudo apt-get install qemu-system-arm (or your system's equivalent)"
-                .to_owned(),
+            missing: program.to_owned(),
+            command: format!("sudo apt-get install {program} (or your system's equivalent)"),
         });
     }
-    let update = ["update"].as_slice();
-    let install = [
-        "install",
-        "-y",
-        "--no-install-recommends",
-        "qemu-system-arm",
-    ]
-    .as_slice();
-    for arguments in [update, install] {
-        eprintln!("installing QEMU: apt-get {}", arguments.join(" "));
+    let install = ["install", "-y", "--no-install-recommends", program];
+    for arguments in [&["update"][..], &install] {
+        eprintln!("installing {program}: apt-get {}", arguments.join(" "));
         let mut command = Command::new("apt-get");
         command.args(["-q", "-o", "DPkg::Lock::Timeout=300"]);
         checked(

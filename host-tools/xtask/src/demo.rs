@@ -82,6 +82,20 @@ fn run_in(workspace: &Workspace, folder: &Path) -> Result<()> {
         workspace,
         &mut tempco(&["apply", &sets[1], &verification, "--out", &applied]),
     )?;
+    let report = path("verification.html");
+    let evaluate = [
+        "evaluate",
+        &sets[1],
+        &verification,
+        "--report",
+        &report,
+        "--json",
+    ];
+    ensure!(
+        tempco(&evaluate).output()?.status.success(),
+        "no report was written"
+    );
+    println!("wrote {report}; that of the fit lies beside the set");
     let picture = folder.join("verification.svg");
     figure::draw(Path::new(&applied), &picture)?;
     println!("drew {}", picture.display());

@@ -120,13 +120,11 @@ fn to_axis_unit(
     interval_s: f64,
     scale_factor_arcsec: Option<f64>,
 ) -> AxisUnit {
-    let (factor, unit) = match (unit, scale_factor_arcsec) {
-        (ColumnUnit::Direct(unit), _) => return unit,
-        (ColumnUnit::Pulses, Some(scale_factor)) => (scale_factor / interval_s, AxisUnit::Dph),
-        (ColumnUnit::Pulses, None) => (1.0 / interval_s, AxisUnit::PulsesPerS),
-    };
-    for value in values {
-        *value *= factor;
+    let (factor, unit) = unit.in_axis_unit(interval_s, scale_factor_arcsec);
+    if factor != 1.0 {
+        for value in values {
+            *value *= factor;
+        }
     }
     unit
 }

@@ -344,31 +344,31 @@ impl Judged<'_> {
                 || "no bin of temperature was passed both ways for 30 s or more".to_owned(),
             ),
             allan: AllanOfAxis::new(self.log, output, axis.unit),
-            boundaries: self.boundaries(),
+            boundaries: boundaries(self.channel, self.of_channel),
             coefficient_sigmas: axis.sigmas.clone(),
         })
     }
+}
 
-    fn boundaries(&self) -> Vec<Boundary> {
-        let jumps = self.channel.table.jumps(self.of_channel);
-        let mismatches = self.channel.mismatches(self.of_channel);
-        let boundary = |mismatch: crate::model::Mismatch| {
-            let (t_min_c, t_max_c) = (mismatch.t_min_c, mismatch.t_max_c);
-            // A boundary may have been moved to the nearest edge of a cell.
-            let slack_c = self.channel.boundary_moved_c + 1e-3;
-            let range_c = t_min_c - slack_c..=t_max_c + slack_c;
-            let within = jumps
-                .iter()
-                .filter(|(temp_c, _)| range_c.contains(&f64::from(*temp_c)));
-            Boundary {
-                t_min_c,
-                t_max_c,
-                overlap_mismatch: mismatch.overlap_mismatch,
-                jump: within.map(|&(_, jump)| f64::from(jump)).fold(0.0, f64::max),
-            }
-        };
-        mismatches.into_iter().map(boundary).collect()
-    }
+/// What happens between the segments of an axis of a channel, coldest first.
+pub fn boundaries(channel: &ChannelSet, axis: usize) -> Vec<Boundary> {
+    let jumps = channel.table.jumps(axis);
+    let boundary = |mismatch: crate::model::Mismatch| {
+        let (t_min_c, t_max_c) = (mismatch.t_min_c, mismatch.t_max_c);
+        // A boundary may have been moved to the nearest edge of a cell.
+        let slack_c = channel.boundary_moved_c + 1e-3;
+        let range_c = t_min_c - slack_c..=t_max_c + slack_c;
+        let within = jumps
+            .iter()
+            .filter(|(temp_c, _)| range_c.contains(&f64::from(*temp_c)));
+        Boundary {
+            t_min_c,
+            t_max_c,
+            overlap_mismatch: mismatch.overlap_mismatch,
+            jump: within.map(|&(_, jump)| f64::from(jump)).fold(0.0, f64::max),
+        }
+    };
+    channel.mismatches(axis).into_iter().map(boundary).collect()
 }
 
 /// A set cannot be evaluated on a log.

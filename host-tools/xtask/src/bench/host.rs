@@ -43,6 +43,8 @@ pub(super) fn figures(workspace: &Workspace, rows: u32) -> Result<Value> {
         let mut command = Command::new(&program);
         command.arg("fit").arg(&log).args(["--serial", "BENCH"]);
         command.args(["--segments", SEGMENTS]);
+        // The peers draw no figures either.
+        command.arg("--no-report");
         command.arg("--out").arg(folder.join("set"));
         command
     };

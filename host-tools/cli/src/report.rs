@@ -1,0 +1,83 @@
+//! The report of a fit or of an evaluation: the logs are read once more for it.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, ensure};
+use tempco_fit::log::ReadOptions;
+use tempco_fit::rerun::{Reread, is_rereadable, rerun};
+use tempco_fit::set::{CoefficientSet, write_files};
+use tempco_report::{Gatherer, LogTimes, Report};
+
+use crate::progress::Progress;
+
+/// Refuses logs that cannot be read twice, before any work is done.
+pub(crate) fn ensure_rereadable(paths: &[PathBuf]) -> Result<()> {
+    let pipe = paths
+        .iter()
+        .find(|path| path.exists() && !is_rereadable(path));
+    ensure!(
+        pipe.is_none(),
+        "{}: the report reads a log twice: expected a regular file (`fit --no-report` reads it once)",
+        pipe.map(|path| path.display().to_string())
+            .unwrap_or_default()
+    );
+    Ok(())
+}
+
+/// A log as its first reading found it.
+pub(crate) struct Found {
+    pub(crate) log: Reread,
+    pub(crate) duration_s: f64,
+}
+
+/// The logs that a set was fitted to.
+pub(crate) fn fitted_logs(set: &CoefficientSet, paths: &[PathBuf]) -> Vec<Found> {
+    let inputs = set.provenance.inputs.iter().zip(paths);
+    let found = inputs.map(|(input, path)| Found {
+        log: Reread {
+            path: path.clone(),
+            interval_s: input.interval_s,
+            sha256: input.sha256.clone(),
+        },
+        duration_s: input.duration_s,
+    });
+    found.collect()
+}
+
+/// Runs the logs through the core once more and gathers what the figures show.
+pub(crate) fn gather(
+    set: &CoefficientSet,
+    tau_s: f64,
+    logs: &[Found],
+    options: &ReadOptions,
+) -> Result<Gatherer> {
+    let times: Vec<LogTimes> = logs
+        .iter()
+        .map(|found| LogTimes {
+            interval_s: found.log.interval_s,
+            duration_s: found.duration_s,
+        })
+        .collect();
+    let mut gatherer = Gatherer::new(set, tau_s, &times);
+    let progress = Progress::over(logs.iter().map(|found| &found.log.path));
+    for found in logs {
+        gatherer.begin_log();
+        let mut told = 0;
+        rerun(set, &found.log, options, |answers, bytes| {
+            gatherer.push(answers);
+            progress.add(bytes - told);
+            told = bytes;
+        })?;
+    }
+    Ok(gatherer)
+}
+
+/// Writes the figures of a report into a folder, all or none.
+pub(crate) fn write_figures(report: &Report, folder: &Path) -> Result<()> {
+    let files: Vec<(&str, &[u8])> = report
+        .figures
+        .iter()
+        .map(|(name, svg)| (name.as_str(), svg.as_bytes()))
+        .collect();
+    write_files(folder, &files).context("the figures were not written")
+}

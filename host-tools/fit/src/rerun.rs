@@ -1,0 +1,324 @@
+//! A log that is read once more, row by row through the core, in memory of a fixed size.
+//!
+//! The core starts and steps as in [`apply`](crate::apply::apply). The interval of the log must be
+//! known, from the first reading: the first row takes it, and pulse counts are divided by it.
+
+use std::path::{Path, PathBuf};
+
+use tempco::{Compensator, Interval, Status, Table, TableError, ThermalPoint, ThermalState};
+use thiserror::Error;
+
+use crate::apply::{ApplyError, AxisOutput};
+use crate::log::{Chunk, LogError, LogStream, ReadOptions};
+use crate::regress::with_every_rate;
+use crate::set::{ChannelSet, CoefficientSet};
+
+/// A log and what is known of it from the first reading.
+#[derive(Clone, Debug)]
+pub struct Reread {
+    /// The file.
+    pub path: PathBuf,
+    /// Median time between rows \[s\].
+    pub interval_s: f64,
+    /// SHA-256 of the file's bytes, in hexadecimal.
+    pub sha256: String,
+}
+
+/// Consecutive rows of a log and what the core made of them.
+#[derive(Clone, Debug, Default)]
+pub struct Answers {
+    /// Time of each row \[s\].
+    pub time_s: Vec<f64>,
+    /// For each row, the flags of all channels together.
+    pub status: Vec<Status>,
+    /// The channels in the order of the set.
+    pub channels: Vec<ChannelAnswers>,
+}
+
+/// The part of one temperature channel.
+#[derive(Clone, Debug, Default)]
+pub struct ChannelAnswers {
+    /// Where the model stands, with the rate before it is limited to the calibrated range.
+    pub points: Vec<ThermalPoint>,
+    /// The axes in the order of the set.
+    pub axes: Vec<AxisOutput>,
+}
+
+/// Runs `set` over a log as a unit switched on at its first row; `sink` gets the rows and the
+/// number of bytes of the file that were read so far.
+///
+/// # Errors
+/// A log that cannot be read, lacks an axis of the set, or is not the one of the first reading.
+pub fn rerun(
+    set: &CoefficientSet,
+    log: &Reread,
+    options: &ReadOptions,
+    mut sink: impl FnMut(&Answers, u64),
+) -> Result<(), RerunError> {
+    let mut stream = LogStream::open(&log.path, options)?;
+    let inputs = columns(set, log, &stream, options)?;
+    macro_rules! run_for {
+        ($($axes:literal)+) => {
+            match set.channels[0].axes.len() {
+                $($axes => run::<$axes>(set, &inputs, log.interval_s, &mut stream, &mut sink)?,)+
+                axes => unreachable!("a set has 1 to 6 axes, not {axes}"),
+            }
+        };
+    }
+    run_for!(1 2 3 4 5 6);
+    match stream.sha256() {
+        Some(found) if found == log.sha256 => Ok(()),
+        _ => Err(RerunError::Changed(log.path.clone())),
+    }
+}
+
+/// Where the values of a channel stand in a chunk.
+struct Columns {
+    temp: usize,
+    /// For each axis, its column and the factor to the unit of the set.
+    axes: Vec<(usize, f64)>,
+}
+
+fn columns(
+    set: &CoefficientSet,
+    log: &Reread,
+    stream: &LogStream,
+    options: &ReadOptions,
+) -> Result<Vec<Columns>, ApplyError> {
+    // (channel, axis among all, column) of everything in the log.
+    let candidates = || {
+        let channels = stream.channels().iter().enumerate();
+        let axes = channels.flat_map(|(channel, columns)| {
+            columns.axes.iter().map(move |(_, axis)| (channel, axis))
+        });
+        axes.enumerate()
+    };
+    let file = || log.path.display().to_string();
+    let of_channel = |channel: &ChannelSet| {
+        let mut temp = 0;
+        let mut axes = Vec::new();
+        for axis in &channel.axes {
+            let found = candidates().find(|(_, (_, column))| column.name == axis.name);
+            let (number, (from, column)) = found.ok_or_else(|| ApplyError::NoAxis {
+                file: file(),
+                axis: axis.name.clone(),
+                serial: set.serial.clone(),
+            })?;
+            let (factor, unit) = column
+                .unit
+                .in_axis_unit(log.interval_s, options.scale_factor_arcsec);
+            if unit != axis.unit {
+                return Err(ApplyError::Unit {
+                    file: file(),
+                    axis: axis.name.clone(),
+                    found: unit.name(),
+                    expected: axis.unit.name(),
+                });
+            }
+            temp = from;
+            axes.push((number, factor));
+        }
+        Ok(Columns { temp, axes })
+    };
+    set.channels.iter().map(of_channel).collect()
+}
+
+fn run<const AXES: usize>(
+    set: &CoefficientSet,
+    inputs: &[Columns],
+    interval_s: f64,
+    stream: &mut LogStream,
+    sink: &mut impl FnMut(&Answers, u64),
+) -> Result<(), RerunError> {
+    let cells: Vec<_> = set.channels.iter().map(|c| c.table.terms(0)).collect();
+    let tables = set.channels.iter().zip(&cells);
+    let tables: Vec<Table<AXES>> = tables
+        .map(|(channel, cells)| channel.table.table(cells))
+        .collect::<Result<_, _>>()?;
+    let mut units = tables
+        .iter()
+        .map(Unit::new)
+        .collect::<Result<Vec<_>, _>>()?;
+    let mut last_s = None;
+    let mut answers = Answers::default();
+    while let Some(chunk) = stream.next_chunk()? {
+        let intervals_s: Vec<f32> = chunk
+            .time_s
+            .iter()
+            .map(|&time_s| last_s.replace(time_s).map_or(interval_s, |l| time_s - l) as f32)
+            .collect();
+        answers.time_s.clone_from(&chunk.time_s);
+        answers.status = vec![Status::OK; chunk.rows()];
+        answers.channels = units
+            .iter_mut()
+            .zip(inputs)
+            .map(|(unit, columns)| unit.answer(columns, &chunk, &intervals_s, &mut answers.status))
+            .collect();
+        sink(&answers, stream.bytes_read());
+    }
+    Ok(())
+}
+
+/// A channel in the course of a log.
+struct Unit<'t, const AXES: usize> {
+    core: Compensator<'t, AXES>,
+    table: &'t Table<'t, AXES>,
+    /// The thermal path without limits of the rate.
+    open: tempco::Thermal,
+    state: ThermalState,
+    started: bool,
+}
+
+impl<'t, const AXES: usize> Unit<'t, AXES> {
+    fn new(table: &'t Table<'t, AXES>) -> Result<Self, TableError> {
+        let open = with_every_rate(*table.thermal().settings())?;
+        Ok(Self {
+            core: Compensator::new(table),
+            table,
+            state: ThermalState::new(&open),
+            open,
+            started: false,
+        })
+    }
+
+    fn answer(
+        &mut self,
+        columns: &Columns,
+        chunk: &Chunk,
+        intervals_s: &[f32],
+        status: &mut [Status],
+    ) -> ChannelAnswers {
+        let temps_c = &chunk.temps_c[columns.temp];
+        if let (false, Some(&first)) = (self.started, temps_c.first()) {
+            self.core.start(first);
+            self.state.start(&self.open, first);
+            self.started = true;
+        }
+        let mut points = Vec::with_capacity(chunk.rows());
+        let mut axes = vec![AxisOutput::default(); AXES];
+        for (row, (&temp_c, &dt_s)) in temps_c.iter().zip(intervals_s).enumerate() {
+            let raw: [f32; AXES] = std::array::from_fn(|axis| {
+                let (column, factor) = columns.axes[axis];
+                (chunk.axes[column][row] * factor) as f32
+            });
+            let interval = Interval::new(self.table.thermal(), dt_s);
+            let out = self.core.step(&interval, temp_c, raw);
+            points.push(self.state.update(&self.open, &interval, temp_c));
+            status[row] |= out.status;
+            for (axis, output) in axes.iter_mut().enumerate() {
+                output.raw.push(raw[axis]);
+                output.bias.push(out.bias[axis]);
+                output.compensated.push(out.compensated[axis]);
+            }
+        }
+        ChannelAnswers { points, axes }
+    }
+}
+
+/// A log cannot be run through the core again.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum RerunError {
+    /// The log cannot be read.
+    #[error(transparent)]
+    Log(#[from] LogError),
+    /// It does not have what the set compensates.
+    #[error(transparent)]
+    Apply(#[from] ApplyError),
+    /// The core refuses the table.
+    #[error(transparent)]
+    Table(#[from] TableError),
+    /// The file is not the one that was read before.
+    #[error("{}: changed while it was in use: expected the bytes of the first reading", .0.display())]
+    Changed(PathBuf),
+}
+
+/// Whether a file can be read a second time: not a pipe or a terminal.
+pub fn is_rereadable(path: &Path) -> bool {
+    path.metadata().is_ok_and(|metadata| metadata.is_file())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::apply::apply;
+    use crate::fit::{FitOptions, fit};
+    use crate::log::read_log;
+    use crate::set::Model;
+
+    fn written(folder: &Path, bytes: &str) -> Reread {
+        let path = folder.join("log.csv");
+        std::fs::write(&path, bytes).unwrap();
+        let log = read_log(&path, &ReadOptions::default()).unwrap();
+        Reread {
+            path,
+            interval_s: log.interval_s,
+            sha256: log.sha256,
+        }
+    }
+
+    /// Long enough for many chunks; pulses, and two axes in the other order than in the set.
+    fn text() -> String {
+        let mut text = String::from("time_s,temp_c,x_pulses,y_dph\n");
+        for row in 0..120_000 {
+            let t = f64::from(row);
+            let temp_c = 25.0 + 15.0 * (t * 2e-4).sin();
+            let x = (0.3 * temp_c).round();
+            text += &format!(
+                "{:.1},{temp_c:.2},{x},{:.4}\n",
+                0.5 * t,
+                1.0 - 0.01 * temp_c
+            );
+        }
+        text
+    }
+
+    #[test]
+    fn rows_are_answered_as_by_apply() {
+        let folder = tempfile::tempdir().unwrap();
+        let again = written(folder.path(), &text());
+        let log = read_log(&again.path, &ReadOptions::default()).unwrap();
+        let options = FitOptions::new("S1", Model::Composite);
+        let mut set = fit(std::slice::from_ref(&log), &options).unwrap().set;
+        let channel = &mut set.channels[0];
+        channel.axes.swap(0, 1);
+        channel
+            .table
+            .cells
+            .iter_mut()
+            .for_each(|cell| cell.swap(0, 1));
+        let applied = apply(&set, &log).unwrap();
+        let (mut row, mut chunks) = (0, 0);
+        rerun(&set, &again, &ReadOptions::default(), |answers, bytes| {
+            let rows = row..row + answers.time_s.len();
+            assert_eq!(answers.time_s, log.time_s[rows.clone()]);
+            assert_eq!(answers.status, applied.status[rows.clone()]);
+            for (found, expected) in answers.channels[0].axes.iter().zip(&applied.axes) {
+                assert_eq!(found.raw, expected.raw[rows.clone()]);
+                assert_eq!(found.bias, expected.bias[rows.clone()]);
+                assert_eq!(found.compensated, expected.compensated[rows.clone()]);
+            }
+            assert!(bytes > 0);
+            (row, chunks) = (rows.end, chunks + 1);
+        })
+        .unwrap();
+        assert_eq!(row, log.rows());
+        assert!(
+            chunks > 1,
+            "one chunk does not test what passes between them"
+        );
+    }
+
+    #[test]
+    fn another_file_of_the_same_name_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let text = text();
+        let again = written(folder.path(), &text);
+        let log = read_log(&again.path, &ReadOptions::default()).unwrap();
+        let options = FitOptions::new("S1", Model::Static);
+        let set = fit(&[log], &options).unwrap().set;
+        std::fs::write(&again.path, text + "60000,25,3,1\n").unwrap();
+        let error = rerun(&set, &again, &ReadOptions::default(), |_, _| ()).unwrap_err();
+        assert!(error.to_string().contains("changed while"), "{error}");
+    }
+}

@@ -1,0 +1,126 @@
+//! Allan deviations before and after.
+
+use std::ops::Range;
+
+use plotters::element::DashedPathElement;
+use plotters::prelude::*;
+use tempco_fit::set::AxisSet;
+
+use super::canvas::{DrawError, FINE, Figure};
+use super::frame::{BELOW, Key, LEFT, Mark, dot, line, text, titled, triangle, with_unit};
+use super::palette::{AFTER, BEFORE, GRID, MUTED};
+use crate::ReportError;
+use crate::gather::{Deviation, GatheredAxis};
+
+/// Room around the curves, as a factor.
+const MARGIN: f64 = 1.6;
+
+const KEYS: [Key; 3] = [
+    (Mark::Triangle(BEFORE), "before"),
+    (Mark::Dot(AFTER), "after"),
+    (Mark::Dashed(MUTED), "averaging time of the traces"),
+];
+
+pub(super) fn draw(
+    axis: &AxisSet,
+    tau_s: f64,
+    shown: &GatheredAxis,
+) -> Result<Figure, ReportError> {
+    let (name, unit) = (&axis.name, axis.unit.symbol());
+    let [before, after] = &shown.allan;
+    let points = || before.iter().chain(after);
+    let x = around(points().map(|point| point.tau_s));
+    let y = around(points().flat_map(|point| point.interval));
+    Figure::draw(
+        format!("allan-{name}"),
+        format!("Overlapping Allan deviation of {name}, before and after compensation"),
+        310,
+        |area, hovers| -> Result<(), DrawError> {
+            let area = titled(area, &format!("{name}: Allan deviation [{unit}]"), &KEYS)?;
+            let mut chart = ChartBuilder::on(&area)
+                .margin_right(FINE * 14)
+                .margin_top(FINE * 4)
+                .x_label_area_size(FINE * BELOW)
+                .y_label_area_size(FINE * LEFT)
+                .build_cartesian_2d(
+                    x.clone().log_scale().with_key_points(ticks(&x)),
+                    y.clone().log_scale().with_key_points(ticks(&y)),
+                )?;
+            chart
+                .configure_mesh()
+                .light_line_style(TRANSPARENT)
+                .bold_line_style(line(GRID, 10))
+                .axis_style(line(MUTED, 10))
+                .label_style(text(13, MUTED))
+                .axis_desc_style(text(13, MUTED))
+                .x_desc("averaging time [s]")
+                .x_label_formatter(&tick)
+                .y_label_formatter(&tick)
+                .draw()?;
+            if x.contains(&tau_s) {
+                let ends = [(tau_s, y.start), (tau_s, y.end)];
+                let dashes = DashedPathElement::new(ends, FINE * 5, FINE * 4, line(MUTED, 12));
+                chart.draw_series([dashes])?;
+            }
+            for (curve, colour, what) in [(before, BEFORE, "before"), (after, AFTER, "after")] {
+                let place = |point: &Deviation| (point.tau_s, point.deviation);
+                let path: Vec<(f64, f64)> = curve.iter().map(place).collect();
+                chart.draw_series([PathElement::new(path, line(colour, 15))])?;
+                for point in curve {
+                    let ends = point.interval.map(|end| (point.tau_s, end.max(y.start)));
+                    chart.draw_series([PathElement::new(ends, line(colour, 15))])?;
+                    match what {
+                        "before" => chart.draw_series([triangle(place(point), colour)])?,
+                        _ => chart.draw_series([dot(place(point), colour)])?,
+                    };
+                    let text = format!(
+                        "{what}, {}: {}, 1 sigma {} to {}",
+                        with_unit(point.tau_s, "s"),
+                        with_unit(point.deviation, unit),
+                        crate::text::figure(point.interval[0]),
+                        crate::text::figure(point.interval[1])
+                    );
+                    hovers.dot(chart.backend_coord(&place(point)), text);
+                }
+            }
+            Ok(())
+        },
+    )
+}
+
+/// A range around positive values, with a margin.
+fn around(values: impl Iterator<Item = f64>) -> Range<f64> {
+    let positive = values.filter(|&value| value > 0.0);
+    let (low, high) = positive.fold((f64::INFINITY, 0.0), |(low, high): (f64, f64), value| {
+        (low.min(value), high.max(value))
+    });
+    if low > high {
+        return 0.1..10.0;
+    }
+    low / MARGIN..high * MARGIN
+}
+
+/// Powers of ten in a range; where there are few of them, also twice and five times these.
+fn ticks(range: &Range<f64>) -> Vec<f64> {
+    let [low, high] = [range.start, range.end].map(|end| end.log10().floor() as i32);
+    let times = |factors: &[f64]| -> Vec<f64> {
+        let powers = (low..=high).map(|power| 10_f64.powi(power));
+        let ticks = powers.flat_map(|power| factors.iter().map(move |factor| factor * power));
+        ticks.filter(|tick| range.contains(tick)).collect()
+    };
+    match times(&[1.0]) {
+        ticks if ticks.len() > 2 => ticks,
+        _ => times(&[1.0, 2.0, 5.0]),
+    }
+}
+
+/// A tick in as few letters as it takes.
+fn tick(value: &f64) -> String {
+    if (1e-3..1e5).contains(value) {
+        // Twice and five times a power of ten are not exact.
+        let decimals = (-value.log10()).ceil().max(0.0) as usize;
+        format!("{value:.decimals$}")
+    } else {
+        format!("{value:.0e}")
+    }
+}

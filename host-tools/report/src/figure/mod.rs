@@ -1,0 +1,77 @@
+//! The figures, each an SVG of its own, drawn by plotters.
+
+mod allan;
+mod bias;
+mod canvas;
+mod coverage;
+mod frame;
+mod palette;
+mod residual;
+mod segments;
+mod traces;
+
+pub(crate) use canvas::Figure;
+pub(crate) use palette::dark_rules;
+
+use tempco_fit::set::CoefficientSet;
+
+use crate::ReportError;
+use crate::gather::Gathered;
+
+/// All figures of a report.
+pub(crate) struct Figures {
+    /// Time by temperature and rate, of each channel.
+    pub(crate) coverage: Vec<Figure>,
+    /// Those of each axis.
+    pub(crate) axes: Vec<AxisFigures>,
+}
+
+/// The figures of one axis.
+pub(crate) struct AxisFigures {
+    pub(crate) bias: Figure,
+    pub(crate) traces: Figure,
+    pub(crate) over_time: Figure,
+    pub(crate) over_temperature: Figure,
+    pub(crate) over_rate: Figure,
+    pub(crate) allan: Figure,
+    pub(crate) segments: Figure,
+}
+
+impl Figures {
+    pub(crate) fn draw(set: &CoefficientSet, gathered: &Gathered) -> Result<Self, ReportError> {
+        let channels = set.channels.iter().zip(&gathered.channels);
+        let coverage = channels.map(|(channel, shown)| coverage::draw(channel, &shown.map));
+        let mut axes = Vec::new();
+        for (number, ((position, axis), shown)) in set.axes().zip(&gathered.axes).enumerate() {
+            let channel = &set.channels[position];
+            let first = set.axes().position(|(p, _)| p == position).unwrap_or(0);
+            let temps_c = &gathered.channels[position].temps_c;
+            axes.push(AxisFigures {
+                bias: bias::draw(channel, number - first, shown)?,
+                traces: traces::draw(axis, temps_c, gathered, shown)?,
+                over_time: residual::over_time(axis, gathered, shown)?,
+                over_temperature: residual::over_temperature(axis, shown)?,
+                over_rate: residual::over_rate(axis, shown)?,
+                allan: allan::draw(axis, gathered.tau_s, shown)?,
+                segments: segments::draw(channel, number - first)?,
+            });
+        }
+        Ok(Self {
+            coverage: coverage.collect::<Result<_, _>>()?,
+            axes,
+        })
+    }
+
+    /// Every figure, in the order of the report.
+    pub(crate) fn all(&self) -> impl Iterator<Item = &Figure> {
+        let of_axis = |axis: fn(&AxisFigures) -> &Figure| self.axes.iter().map(axis);
+        of_axis(|axis| &axis.bias)
+            .chain(of_axis(|axis| &axis.traces))
+            .chain(of_axis(|axis| &axis.over_time))
+            .chain(of_axis(|axis| &axis.over_temperature))
+            .chain(of_axis(|axis| &axis.over_rate))
+            .chain(of_axis(|axis| &axis.allan))
+            .chain(of_axis(|axis| &axis.segments))
+            .chain(&self.coverage)
+    }
+}

@@ -1,0 +1,80 @@
+//! The report of a calibration or a verification: one HTML page that needs nothing else, and its
+//! figures as SVG.
+//!
+//! ```text
+//! log, read again -> core -> Gatherer (fixed memory) -> figures --+
+//! set, evaluation, remarks -> Judgement --------------------------+-> page
+//! ```
+//!
+//! The figures are drawn from what a [`Gatherer`] has collected of the rows, so that a log of any
+//! length can be shown; the figures of merit are those of the set and of the evaluation.
+#![forbid(unsafe_code)]
+
+mod band;
+mod figure;
+mod gather;
+mod page;
+mod text;
+mod verdict;
+
+pub use gather::{Gatherer, LogTimes};
+pub use text::{figure, percent};
+pub use verdict::{Judgement, Verdict};
+
+use tempco_fit::metrics::Evaluation;
+use tempco_fit::set::CoefficientSet;
+use thiserror::Error;
+
+use figure::Figures;
+
+/// What a report is about.
+#[derive(Clone, Copy, Debug)]
+pub struct Subject<'a> {
+    /// The set.
+    pub set: &'a CoefficientSet,
+    /// How it does on the log that is shown; none where the logs are those of the fit.
+    pub evaluation: Option<&'a Evaluation>,
+    /// The verdict.
+    pub judgement: &'a Judgement,
+}
+
+/// A report, ready to be written.
+#[derive(Clone, Debug)]
+pub struct Report {
+    /// The page.
+    pub html: String,
+    /// The same figures, each with the name of its file.
+    pub figures: Vec<(String, String)>,
+}
+
+impl Report {
+    /// Draws and writes the report.
+    ///
+    /// # Errors
+    /// A figure that could not be drawn.
+    pub fn new(subject: Subject, gathered: Gatherer) -> Result<Self, ReportError> {
+        let gathered = gathered.finish();
+        let figures = Figures::draw(subject.set, &gathered)?;
+        Ok(Self {
+            html: page::page(&subject, &gathered, &figures),
+            figures: figures
+                .all()
+                .map(|figure| (format!("{}.svg", figure.name), figure.file()))
+                .collect(),
+        })
+    }
+}
+
+/// A report could not be made.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum ReportError {
+    /// A figure could not be drawn.
+    #[error("figure {figure}: {message}")]
+    Drawing {
+        /// Its name.
+        figure: String,
+        /// What is wrong.
+        message: String,
+    },
+}

@@ -1,0 +1,131 @@
+//! The page.
+
+mod provenance;
+mod summary;
+mod tables;
+
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+use tempco_fit::unit::AxisUnit;
+
+use crate::Subject;
+use crate::figure::{AxisFigures, Figure, Figures, dark_rules};
+use crate::gather::{Gathered, MOST_CLUSTERS};
+use crate::text::seconds;
+
+const STYLE: &str = include_str!("style.css");
+
+/// The whole page.
+pub(crate) fn page(subject: &Subject, gathered: &Gathered, figures: &Figures) -> String {
+    let set = subject.set;
+    let what = match subject.evaluation {
+        Some(_) => "Verification",
+        None => "Calibration",
+    };
+    let title = format!("{what} of unit {}", set.serial);
+    let dark = format!(
+        "@media screen and (prefers-color-scheme:dark){{{}}}",
+        dark_rules()
+    );
+    let page = html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                title { (title) }
+                style { (PreEscaped(STYLE)) (PreEscaped(dark)) }
+            }
+            body {
+                header { h1 { (title) } }
+                main {
+                    (summary::summary(subject))
+                    (sections(subject, gathered, figures))
+                    (tables::models(set))
+                    (tables::coefficients(set))
+                    (provenance::provenance(subject))
+                }
+            }
+        }
+    };
+    page.into_string() + "\n"
+}
+
+fn sections(subject: &Subject, gathered: &Gathered, figures: &Figures) -> Markup {
+    let set = subject.set;
+    let tau = seconds(gathered.tau_s);
+    let of_axes = |figure: fn(&AxisFigures) -> &Figure| {
+        html! { div.figures { @for axis in &figures.axes { figure { (figure(axis).inline()) } } } }
+    };
+    html! {
+        section {
+            h2 { "Bias against temperature" }
+            p { "Marks: means over " (tau) ", by temperature, less the constant by which a log "
+                "lies beside the fit. Thin lines: what the set took out while heating and cooling. "
+                "Thick line: the same at a steady temperature, with the 1-sigma band of its "
+                "coefficients." }
+            (of_axes(|axis| &axis.bias))
+            (tables::uncertainty(set))
+        }
+        section {
+            h2 { "Before and after" }
+            p { "Means over " (tau) " about the mean of the log; where several fall into one column "
+                "of the drawing, their mean, in a band from the lowest to the highest." }
+            (of_axes(|axis| &axis.traces))
+        }
+        section {
+            h2 { "What remains" }
+            p { "About the mean of the log. Against time: means over " (tau) ", and below them the "
+                "lowest and highest single row of each column, none left out." }
+            (of_axes(|axis| &axis.over_time))
+            p { "Against temperature and its rate: means over " (tau) ", with the lowest and highest "
+                "of each place. Nothing should follow from either; marks of heating and cooling that "
+                "keep apart are lag or hysteresis that is not described." }
+            (of_axes(|axis| &axis.over_temperature))
+            (of_axes(|axis| &axis.over_rate))
+        }
+        section {
+            h2 { "Allan deviation" }
+            p { "Over the longest stretch without a gap, with 1-sigma intervals. Overlapping; in logs "
+                "of more than " (MOST_CLUSTERS) " rows, of adjacent means at the shortest times." }
+            (of_axes(|axis| &axis.allan))
+            @if let Some(evaluation) = subject.evaluation { (tables::allan(evaluation)) }
+        }
+        section {
+            h2 { "Segments and boundaries" }
+            (of_axes(|axis| &axis.segments))
+            (tables::boundaries(set))
+        }
+        section {
+            h2 { "Coverage" }
+            p { "Where the logs of this report were in temperature and rate. Outside of the frame the "
+                "set is held at its edge." }
+            div.figures { @for map in &figures.coverage { figure { (map.inline()) } } }
+            (tables::coverage(set))
+        }
+    }
+}
+
+/// A table that may be wider than the page, and then moves under its own bar.
+fn table(head: &[&str], rows: Vec<Vec<Markup>>) -> Markup {
+    html! {
+        div.scroll tabindex="0" {
+            table {
+                thead { tr { @for name in head { th scope="col" { (name) } } } }
+                tbody {
+                    @for row in rows {
+                        tr { @for cell in row { td { (cell) } } }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// An axis with its unit.
+fn axis_cell(name: &str, unit: AxisUnit) -> Markup {
+    html! { (name) " " span.unit { "[" (unit) "]" } }
+}
+
+fn cell(text: impl std::fmt::Display) -> Markup {
+    html! { (text.to_string()) }
+}
