@@ -34,7 +34,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let path = root().join("docs/segments.svg");
     let area = SVGBackend::new(&path, (900, 420)).into_drawing_area();
     area.fill(&WHITE)?;
-    let (low, high) = (-0.075, 0.035);
+    let (low, high) = (-0.04, 0.05);
     let mut chart = ChartBuilder::on(&area)
         .margin(8)
         .x_label_area_size(40)
@@ -45,6 +45,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .light_line_style(TRANSPARENT)
         .x_desc("temperature [degC]")
         .y_desc("bias [pulses/s]")
+        .x_label_formatter(&|temp_c| format!("{temp_c:.0}"))
         .draw()?;
     for pair in channel.segments.windows(2) {
         let overlap = [(pair[1].t_min_c, low), (pair[0].t_max_c, high)];
@@ -83,7 +84,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     }
     chart
         .configure_series_labels()
-        .position(SeriesLabelPosition::LowerLeft)
+        .position(SeriesLabelPosition::UpperMiddle)
         .background_style(WHITE.mix(0.8))
         .draw()?;
     area.present()?;
