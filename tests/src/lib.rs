@@ -16,6 +16,11 @@ use tempco_qemu::Workspace;
 #[doc = include_str!("../../README.md")]
 pub struct Readme;
 
+/// So is that of the quick start.
+#[cfg(doctest)]
+#[doc = include_str!("../../docs/quick-start.md")]
+pub struct QuickStart;
+
 /// The segments of the paper, in degC.
 pub const PAPER_SEGMENTS: &str = "-15:15,5:35,25:60,50:80";
 

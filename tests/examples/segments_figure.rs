@@ -1,0 +1,93 @@
+//! Draws `docs/segments.svg`: the segments of the paper's X gyro, as printed in its table 2, and what
+//! the table that flies makes of them.
+
+use plotters::prelude::*;
+use tempco_fit::load_set;
+use tempco_fit::segment::Overlap;
+use tempco_tests::root;
+
+/// Blue, vermillion, green and purple of the Okabe-Ito palette.
+const COLOURS: [RGBColor; 4] = [
+    RGBColor(0, 114, 178),
+    RGBColor(213, 94, 0),
+    RGBColor(0, 158, 115),
+    RGBColor(204, 121, 167),
+];
+
+const TABLE: &str = "\
+gyro,segment,temp_min_c,temp_max_c,a0_pulses,a1_pulses_per_c,a2_1e-5_pulses_per_c2
+X,1,-15,15,0.0173,-0.0014,1.7535
+X,2,5,35,0.0064,0.0004,-4.2567
+X,3,25,60,-0.0551,0.0026,-3.302
+X,4,50,80,0.3390,-0.0118,9.6146
+";
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let folder = tempfile::tempdir()?;
+    let file = folder.path().join("table2.csv");
+    std::fs::write(&file, TABLE)?;
+    let set = load_set(&file)?;
+    let channel = &set.channels[0];
+    let polynomials = &channel.axes[0].polynomials;
+    assert_eq!(set.settings.overlap, Overlap::Linear);
+
+    let path = root().join("docs/segments.svg");
+    let area = SVGBackend::new(&path, (900, 420)).into_drawing_area();
+    area.fill(&WHITE)?;
+    let (low, high) = (-0.04, 0.05);
+    let mut chart = ChartBuilder::on(&area)
+        .margin(8)
+        .x_label_area_size(40)
+        .y_label_area_size(70)
+        .build_cartesian_2d(-15.0..80.0, low..high)?;
+    chart
+        .configure_mesh()
+        .light_line_style(TRANSPARENT)
+        .x_desc("temperature [degC]")
+        .y_desc("bias [pulses/s]")
+        .x_label_formatter(&|temp_c| format!("{temp_c:.0}"))
+        .draw()?;
+    for pair in channel.segments.windows(2) {
+        let overlap = [(pair[1].t_min_c, low), (pair[0].t_max_c, high)];
+        chart.draw_series([Rectangle::new(overlap, BLACK.mix(0.08).filled())])?;
+    }
+    let temps =
+        |from: f64, to: f64| (0..=300).map(move |i| from + (to - from) * f64::from(i) / 300.0);
+    // What is applied, drawn first and broad.
+    let cells = channel.table.cells.len() as f64;
+    let (first, last) = (channel.segments[0].t_min_c, channel.segments[3].t_max_c);
+    let applied = temps(first, last).map(|temp_c| {
+        let place = (cells * (temp_c - first) / (last - first)).min(cells - 1e-9);
+        let [a0, a1, a2, ..] = channel.table.cells[place as usize][0].map(f64::from);
+        let z = place.fract();
+        (temp_c, a0 + z * (a1 + z * a2))
+    });
+    chart
+        .draw_series(LineSeries::new(applied, BLACK.mix(0.25).stroke_width(9)))?
+        .label("applied: linear blend over the overlap")
+        .legend(|(x, y)| PathElement::new([(x, y), (x + 16, y)], BLACK.mix(0.25).stroke_width(9)));
+    for (number, (segment, polynomial)) in channel.segments.iter().zip(polynomials).enumerate() {
+        let colour = COLOURS[number];
+        let line = temps(segment.t_min_c, segment.t_max_c);
+        chart
+            .draw_series(LineSeries::new(
+                line.map(|temp_c| (temp_c, polynomial.static_bias(temp_c))),
+                colour.stroke_width(2),
+            ))?
+            .label(format!(
+                "segment {}: {} to {} degC",
+                number + 1,
+                segment.t_min_c,
+                segment.t_max_c
+            ))
+            .legend(move |(x, y)| PathElement::new([(x, y), (x + 16, y)], colour.stroke_width(2)));
+    }
+    chart
+        .configure_series_labels()
+        .position(SeriesLabelPosition::UpperMiddle)
+        .background_style(WHITE.mix(0.8))
+        .draw()?;
+    area.present()?;
+    println!("drew {}", path.display());
+    Ok(())
+}
