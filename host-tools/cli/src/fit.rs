@@ -6,7 +6,7 @@ use anyhow::{Context, Result, ensure};
 use clap::ValueEnum;
 use tempco::ThermalSettings;
 use tempco_fit::Stretch;
-use tempco_fit::fit::{Fit, FitOptions, fit};
+use tempco_fit::fit::{Fit, FitOptions, fit_digests};
 use tempco_fit::segment::{Overlap, Segmentation};
 use tempco_fit::set::{CoefficientSet, Model, table_rs, write_files};
 
@@ -110,8 +110,8 @@ pub(crate) fn run(args: &Args) -> Result<Verdict> {
     if let Some(folder) = &args.batch {
         return batch::run(folder, &args.out, &args.reading.options(None)?, &options);
     }
-    let logs = args.reading.read_all(&args.logs)?;
-    let Fit { set, remarks } = fit(&logs, &options)?;
+    let logs = args.reading.digest_all(&args.logs, &options.plan()?)?;
+    let Fit { set, remarks } = fit_digests(&logs, &options)?;
     write_set(&args.out, &set)?;
 
     summarise(&set, args)?;

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use super::chunk::Chunk;
 use super::columns::Mapping;
+use super::interval::Intervals;
 use super::stream::LogStream;
 use super::{Axis, Channel, Log, LogError};
 use crate::unit::{AxisUnit, ColumnUnit};
@@ -62,13 +63,11 @@ fn whole(
         bytes_read(stream.bytes_read());
     }
     if rows.rows() < 2 {
-        let found = rows.rows();
-        return Err(LogError::file(
-            path,
-            format!("{found} usable rows after the header: expected at least 2"),
-        ));
+        return Err(LogError::too_few_rows(path, rows.rows()));
     }
-    let interval_s = median_interval_s(&rows.time_s);
+    let mut intervals = Intervals::new();
+    intervals.take(&rows.time_s);
+    let interval_s = intervals.median_s();
     Ok(Log {
         file: path
             .file_name()
@@ -102,7 +101,8 @@ fn channels(
                 .iter()
                 .zip(&mut axes)
                 .map(|((_, axis), mut raw)| {
-                    let unit = to_axis_unit(&mut raw, axis.unit, interval_s, scale_factor);
+                    let (unit, factor) = to_axis_unit(axis.unit, interval_s, scale_factor);
+                    raw.iter_mut().for_each(|value| *value *= factor);
                     Axis {
                         name: axis.name.clone(),
                         unit,
@@ -114,27 +114,17 @@ fn channels(
         .collect()
 }
 
-fn to_axis_unit(
-    values: &mut [f64],
+/// The unit of an axis whose column has `unit`, and what its values are multiplied by.
+pub(crate) fn to_axis_unit(
     unit: ColumnUnit,
     interval_s: f64,
     scale_factor_arcsec: Option<f64>,
-) -> AxisUnit {
-    let (factor, unit) = match (unit, scale_factor_arcsec) {
-        (ColumnUnit::Direct(unit), _) => return unit,
-        (ColumnUnit::Pulses, Some(scale_factor)) => (scale_factor / interval_s, AxisUnit::Dph),
-        (ColumnUnit::Pulses, None) => (1.0 / interval_s, AxisUnit::PulsesPerS),
-    };
-    for value in values {
-        *value *= factor;
+) -> (AxisUnit, f64) {
+    match (unit, scale_factor_arcsec) {
+        (ColumnUnit::Direct(unit), _) => (unit, 1.0),
+        (ColumnUnit::Pulses, Some(scale_factor)) => (AxisUnit::Dph, scale_factor / interval_s),
+        (ColumnUnit::Pulses, None) => (AxisUnit::PulsesPerS, 1.0 / interval_s),
     }
-    unit
-}
-
-fn median_interval_s(time_s: &[f64]) -> f64 {
-    let mut intervals: Vec<f64> = time_s.windows(2).map(|t| t[1] - t[0]).collect();
-    let middle = intervals.len() / 2;
-    *intervals.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 #[cfg(test)]
