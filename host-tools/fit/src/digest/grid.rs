@@ -133,7 +133,10 @@ impl Grid {
         let mut at = 0;
         for block in &mut self.blocks {
             let of_block = |sample: &Sample| sample.number / SAMPLES_PER_BLOCK == block.number;
-            let count = self.samples[at..].iter().take_while(|s| of_block(s)).count();
+            let count = self.samples[at..]
+                .iter()
+                .take_while(|s| of_block(s))
+                .count();
             block.samples = at..at + count;
             at += count;
         }

@@ -55,8 +55,7 @@ pub fn digest_file(
     for (columns, channel) in stream.channels().iter().zip(&mut channels) {
         channel.column.clone_from(&stream.header()[columns.temp]);
         for (axis, (_, column)) in columns.axes.iter().enumerate() {
-            let (unit, factor) =
-                to_axis_unit(column.unit, interval_s, options.scale_factor_arcsec);
+            let (unit, factor) = to_axis_unit(column.unit, interval_s, options.scale_factor_arcsec);
             channel.scale(axis, factor);
             channel.axes.push(AxisName {
                 name: column.name.clone(),

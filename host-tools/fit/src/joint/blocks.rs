@@ -149,7 +149,9 @@ impl<'a> SamplePoints<'a> {
         let points = &self.of_log[block.log][samples.clone()];
         let is_kept = |point: &SamplePoint| point.kept > 0.0 && is_usable(&point.point);
         let any = points.iter().any(is_kept);
-        let kept = points.iter().filter(move |p| p.kept > 0.0 && (!any || is_kept(p)));
+        let kept = points
+            .iter()
+            .filter(move |p| p.kept > 0.0 && (!any || is_kept(p)));
         kept.map(|point| (point, point.kept))
     }
 }

@@ -142,7 +142,10 @@ impl SpikeScreen {
             Some(before) => of(self.waiting.get(before)),
             None => self.before.as_ref().map(|levels| levels[axis]),
         };
-        let others = [of(self.waiting.get(window)), of(self.waiting.get(window + 1))];
+        let others = [
+            of(self.waiting.get(window)),
+            of(self.waiting.get(window + 1)),
+        ];
         [before, others[0], others[1]].map(|level| level.unwrap_or(f64::NAN))
     }
 
