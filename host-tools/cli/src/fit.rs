@@ -225,10 +225,11 @@ fn summarise(set: &CoefficientSet, args: &Args) -> Result<()> {
         "improvement",
     ];
     print(table(&header, rows))?;
+    let statistics = set.axes().filter_map(|(_, axis)| axis.statistics);
+    let tau_s = statistics.fold(args.tau, |tau_s, of_axis| of_axis.tau_s.max(tau_s));
     print(format_args!(
-        "on the fitted logs: RMSE of single rows, sigma of {} s means; cubic: one cubic in T on the \
-         same rows\nwrote {} and {}",
-        args.tau,
+        "on the fitted logs: RMSE of single rows, sigma of {tau_s} s means; cubic: one cubic in T on \
+         the same rows\nwrote {} and {}",
         args.out.join("coefficients.json").display(),
         args.out.join("table.rs").display()
     ))

@@ -109,10 +109,16 @@ pub(crate) struct Rows {
 }
 
 impl Rows {
-    pub(crate) fn new(axes: usize) -> Self {
+    /// No rows yet, with room for some.
+    pub(crate) fn with_capacity(axes: usize, rows: usize) -> Self {
         Self {
-            axes: vec![Vec::new(); axes],
-            ..Self::default()
+            time_s: Vec::with_capacity(rows),
+            temp_c: Vec::with_capacity(rows),
+            effective_c: Vec::with_capacity(rows),
+            rate: Vec::with_capacity(rows),
+            believed: Vec::with_capacity(rows),
+            keep: Vec::with_capacity(rows),
+            axes: (0..axes).map(|_| Vec::with_capacity(rows)).collect(),
         }
     }
 
@@ -126,7 +132,7 @@ impl Rows {
         if keep.iter().all(|&keep| keep) {
             return self.moments_of_all(range);
         }
-        let mut kept = Self::new(self.axes.len());
+        let mut kept = Self::with_capacity(self.axes.len(), range.len());
         for row in range.filter(|&row| self.keep[row]) {
             kept.temp_c.push(self.temp_c[row]);
             kept.effective_c.push(self.effective_c[row]);

@@ -32,6 +32,7 @@ impl<'a> ChannelDigester<'a> {
         first_c: f32,
     ) -> Self {
         let thermal = &plan.thermal;
+        let window_rows = window_rows(interval_s);
         let mut state = ThermalState::new(thermal);
         state.start(thermal, first_c);
         Self {
@@ -40,8 +41,8 @@ impl<'a> ChannelDigester<'a> {
             interval: Interval::new(thermal, interval_s as f32),
             interval_s: interval_s as f32,
             last_s: first_s - interval_s,
-            window: Rows::new(axes),
-            window_rows: window_rows(interval_s),
+            window: Rows::with_capacity(axes, window_rows),
+            window_rows,
             screen: plan.robust.then(|| SpikeScreen::new(axes)),
             grid: Grid::new(axes, first_s - 0.5 * interval_s, plan.block_s, MOST_BLOCKS),
             unusable_rows: 0,
@@ -99,8 +100,8 @@ impl<'a> ChannelDigester<'a> {
     }
 
     fn close_window(&mut self) {
-        let axes = self.window.axes.len();
-        let window = std::mem::replace(&mut self.window, Rows::new(axes));
+        let next = Rows::with_capacity(self.window.axes.len(), self.window_rows);
+        let window = std::mem::replace(&mut self.window, next);
         match &mut self.screen {
             Some(screen) => screen.take(window, &mut |rows| self.grid.take(rows)),
             None => self.grid.take(&window),

@@ -17,7 +17,7 @@ use crate::testing::white;
 
 /// Rows of a channel with one axis, at irregular times, some not kept.
 fn rows(count: usize, interval_s: f64, seed: u64) -> Rows {
-    let mut rows = Rows::new(1);
+    let mut rows = Rows::with_capacity(1, count);
     let mut time_s = 100.0;
     for (noise, i) in white(seed).zip(0..count) {
         time_s += interval_s * (1.0 + 0.3 * noise.sin());

@@ -171,7 +171,7 @@ impl SpikeScreen {
             let rows = &self.waiting[0].rows;
             let values = &rows.axes[axis];
             // Hardly a window has a row that is far from its own median.
-            let far = |value: f64| !((value - levels[1]).abs() <= limit);
+            let far = |value: f64| (value - levels[1]).abs() > limit;
             if !values.iter().fold(false, |any, &value| any | far(value)) {
                 continue;
             }
