@@ -5,12 +5,12 @@
 //!                                                      +-> samples of 1 s: mean temperatures
 //! ```
 //!
-//! A digest holds [`MOST_BLOCKS`](grid::MOST_BLOCKS) blocks at most, 45 h of 10 s each. With a
+//! A digest holds 16,384 blocks at most, 45 h of 10 s each. With a
 //! longer log, neighbours merge whenever there are more, and blocks and samples get twice as long:
 //! memory does not depend on the length of the log.
 //!
 //! The blocks hold the regressors that the core computed row by row. For the settings that a fit
-//! tries later, the core runs over the samples: see [`ChannelDigest::points`].
+//! tries later, the core runs over the samples (`ChannelDigest::points`).
 
 mod block;
 mod channel;
