@@ -1,6 +1,6 @@
 //! Rows of text become numbers.
 
-use memchr::{memchr, memchr2};
+use memchr::{memchr_iter, memchr2};
 
 use super::LogError;
 use super::blocks::Block;
@@ -70,25 +70,26 @@ struct Rows<'a> {
 
 impl Rows<'_> {
     /// Rows without quotes, each ended by a line feed.
+    ///
+    /// The line feeds are looked for ahead: where a row starts does not wait for the numbers of the
+    /// row before, so that the processor works on both at a time.
     fn plain(&mut self, text: &[u8]) {
-        let (mut at, mut line) = (0, 0);
-        while at < text.len() {
-            if let Some(end) = self.row(text, at) {
+        let (mut start, mut line) = (0, 0);
+        for end in memchr_iter(b'\n', text) {
+            if self.row(text, start) == Some(end) {
                 self.keep(line);
-                at = end;
             } else {
-                let rest = &text[at..];
                 // Blank, bad or unusual: looked at cell by cell.
-                let end = memchr(b'\n', rest).unwrap_or(rest.len());
-                let row = rest[..end].strip_suffix(b"\r").unwrap_or(&rest[..end]);
+                let row = &text[start..end];
+                let row = row.strip_suffix(b"\r").unwrap_or(row);
                 if !row.is_empty() {
                     let cells: Vec<&[u8]> = row.split(|&byte| byte == b',').collect();
                     if !self.cells(line, &cells) {
                         return;
                     }
                 }
-                at += end + 1;
             }
+            start = end + 1;
             line += 1;
         }
     }
@@ -103,18 +104,17 @@ impl Rows<'_> {
         }
     }
 
-    /// Reads a good row at `at` of `text` into `values` and returns where the next one starts;
-    /// `None` if there is none.
+    /// Reads a good row at `at` of `text` into `values` and returns where its line feed is; `None`
+    /// if there is none.
     #[inline]
     fn row(&mut self, text: &[u8], mut at: usize) -> Option<usize> {
         let last = self.plan.len() - 1;
         for (position, column) in self.plan.iter().enumerate() {
-            let end = if position == last { b'\n' } else { b',' };
             if column.slots.is_empty() {
                 at += memchr2(b',', b'\n', &text[at..])?;
             } else {
-                let (value, next) = cell(text, at)?;
-                at = next;
+                let (value, end) = cell(text, at)?;
+                at = end;
                 if value < column.limits.0 || value > column.limits.1 {
                     return None;
                 }
@@ -122,12 +122,13 @@ impl Rows<'_> {
                     self.values[slot] = value;
                 }
             }
-            if *text.get(at)? != end {
+            let separator = if position == last { b'\n' } else { b',' };
+            if text[at] != separator {
                 return None;
             }
             at += 1;
         }
-        Some(at)
+        Some(at - 1)
     }
 
     /// Keeps the row that was read.
