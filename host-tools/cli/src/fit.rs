@@ -225,8 +225,8 @@ fn summarise(set: &CoefficientSet, args: &Args) -> Result<()> {
         "improvement",
     ];
     print(table(&header, rows))?;
-    let statistics = set.axes().filter_map(|(_, axis)| axis.statistics);
-    let tau_s = statistics.fold(args.tau, |tau_s, of_axis| of_axis.tau_s.max(tau_s));
+    let mut statistics = set.axes().filter_map(|(_, axis)| axis.statistics);
+    let tau_s = statistics.next().map_or(args.tau, |of_axis| of_axis.tau_s);
     print(format_args!(
         "on the fitted logs: RMSE of single rows, sigma of {tau_s} s means; cubic: one cubic in T on \
          the same rows\nwrote {} and {}",

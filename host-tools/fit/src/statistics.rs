@@ -21,7 +21,7 @@ const LEAST_FREEDOM: usize = 10;
 const LEAST_COVERAGE: f64 = 0.25;
 
 /// Runs the set's table over the logs by the core and notes the figures of each axis in it, of
-/// means over `tau_s` or over blocks, whichever is longer.
+/// means over `tau_s`, as far as whole blocks make it.
 pub(crate) fn note(
     set: &mut CoefficientSet,
     channels: &mut [ChannelData],
@@ -32,8 +32,7 @@ pub(crate) fn note(
         *data = ChannelData::new(data.logs, data.channel);
         let blocks = Blocks::new(data);
         let cubics = Cubics::fit(data);
-        let logs = 0..data.logs.len();
-        let tau_s = logs.map(|log| data.of(log).block_s).fold(tau_s, f64::max);
+        let tau_s = whole_blocks_s(data, tau_s);
         for (number, axis) in channel.axes.iter_mut().enumerate() {
             let biases = biases(&channel.table, number, data, &blocks)?;
             let pool = |model: &[f64]| Pool::new(data, &blocks, number, model, tau_s);
@@ -60,6 +59,19 @@ pub(crate) fn note(
         }
     }
     Ok(())
+}
+
+/// The averaging time: of logs so long that their blocks are longer than planned, the nearest one
+/// of whole blocks \[s\].
+fn whole_blocks_s(data: &ChannelData, tau_s: f64) -> f64 {
+    let planned_s = data.logs[0].plan.block_s;
+    let of_logs = (0..data.logs.len()).map(|log| data.of(log).block_s);
+    let block_s = of_logs.fold(planned_s, f64::max);
+    if block_s > planned_s {
+        block_s * (tau_s / block_s).round().max(1.0)
+    } else {
+        tau_s
+    }
 }
 
 /// The mean bias of an axis over each block, by the core and the table that fly.

@@ -254,6 +254,40 @@ fn regressors_from_samples_are_as_good_as_those_from_rows() {
     }
 }
 
+/// In a log of 133 h blocks are 40 s long, of which three come nearest to 100 s.
+#[test]
+fn means_of_a_long_log_are_made_of_whole_blocks() {
+    let rows = 40_000;
+    let phase = |row: usize| row as f64 * 0.01;
+    let noise: Vec<f64> = white(5).take(rows).collect();
+    let log = Log {
+        time_s: (0..rows).map(|row| 12.0 * row as f64).collect(),
+        interval_s: 12.0,
+        channels: vec![Channel {
+            column: "temp_c".to_owned(),
+            temp_c: (0..rows)
+                .map(|row| (30.0 + 30.0 * phase(row).sin()) as f32)
+                .collect(),
+            axes: vec![Axis {
+                name: "x".to_owned(),
+                unit: AxisUnit::Dph,
+                raw: (0..rows)
+                    .map(|row| phase(row).sin() + 0.3 * noise[row])
+                    .collect(),
+            }],
+        }],
+        ..simulated(1, 0.01)
+    };
+    let set = fit(&[log], &FitOptions::new("LONG", Model::Static)).unwrap();
+    let statistics = set.set.channels[0].axes[0].statistics.unwrap();
+    assert_eq!((statistics.rows, statistics.tau_s), (rows, 120.0));
+    assert_eq!(statistics.n, 4000);
+    // Ten rows of white noise in each mean.
+    let expected = 0.3 / 10.0_f64.sqrt();
+    assert!((statistics.sigma_compensated / expected - 1.0).abs() < 0.06);
+    assert!((statistics.rmse_compensated / 0.3 - 1.0).abs() < 0.02);
+}
+
 #[test]
 fn a_digest_is_bounded() {
     assert_eq!(MOST_BLOCKS, 16_384);
