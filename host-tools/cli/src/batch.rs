@@ -4,8 +4,9 @@ use std::path::Path;
 
 use anyhow::{Context, Result, ensure};
 use tempco_fit::batch::{Outcome, Summary, UnitFigures, UnitLogs, find_units};
-use tempco_fit::fit::{FitOptions, fit};
-use tempco_fit::log::{ReadOptions, read_log_observed};
+use tempco_fit::digest::digest_file;
+use tempco_fit::fit::{FitOptions, fit_digests};
+use tempco_fit::log::ReadOptions;
 use tempco_fit::parallel;
 use tempco_fit::set::write_files;
 use tempco_report::Judgement;
@@ -57,17 +58,17 @@ fn fit_unit(
         !unit.logs.is_empty(),
         "no log in its folder: expected .csv, .csv.gz, .csv.zst or .parquet"
     );
-    let logs = unit
-        .logs
-        .iter()
-        .map(|path| read_log_observed(path, reading, |bytes| progress.add(bytes)))
-        .collect::<Result<Vec<_>, _>>()?;
     let options = FitOptions {
         serial: unit.serial.clone(),
         ..options.clone()
     };
-    let fit = fit(&logs, &options)?;
-    drop(logs);
+    let plan = options.plan()?;
+    let logs = unit
+        .logs
+        .iter()
+        .map(|path| digest_file(path, reading, &plan, |bytes| progress.add(bytes)))
+        .collect::<Result<Vec<_>, _>>()?;
+    let fit = fit_digests(&logs, &options)?;
     let report = if with_report {
         let judgement = Judgement::new(&fit.set, None, &fit.remarks);
         let (logs, tau_s) = (&unit.logs, options.tau_s);

@@ -7,7 +7,7 @@ use clap::ValueEnum;
 use serde_json::json;
 use tempco::ThermalSettings;
 use tempco_fit::Stretch;
-use tempco_fit::fit::{Fit, FitOptions, fit};
+use tempco_fit::fit::{Fit, FitOptions, fit_digests};
 use tempco_fit::log::ReadOptions;
 use tempco_fit::segment::{Overlap, Segmentation};
 use tempco_fit::set::{CoefficientSet, Model, table_bin, table_h, table_rs, write_files};
@@ -131,9 +131,8 @@ pub(crate) fn run(args: &Args) -> Result<Verdict> {
     if !args.no_report {
         ensure_rereadable(&args.logs)?;
     }
-    let logs = args.reading.read_all(&args.logs)?;
-    let Fit { set, remarks } = fit(&logs, &options)?;
-    drop(logs);
+    let logs = args.reading.digest_all(&args.logs, &options.plan()?)?;
+    let Fit { set, remarks } = fit_digests(&logs, &options)?;
     let judgement = Judgement::new(&set, None, &remarks);
     let report = if args.no_report {
         None
@@ -296,6 +295,8 @@ fn summarise(set: &CoefficientSet, tau_s: f64) -> Result<()> {
         "improvement",
     ];
     print(table(&header, rows))?;
+    let mut statistics = set.axes().filter_map(|(_, axis)| axis.statistics);
+    let tau_s = statistics.next().map_or(tau_s, |of_axis| of_axis.tau_s);
     print(format_args!(
         "on the fitted logs: RMSE of single rows, sigma of {tau_s} s means; cubic: one cubic in T on the \
          same rows"

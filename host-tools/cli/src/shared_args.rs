@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Result, ensure};
+use tempco_fit::digest::{LogDigest, Plan, digest_file};
 use tempco_fit::load_set;
 use tempco_fit::log::{AxisColumn, Log, Mapping, ReadOptions, TempColumn, read_log_observed};
 use tempco_fit::parallel;
@@ -64,20 +65,22 @@ impl LogArgs {
         let options = self.options(set_scale_factor)?;
         let log = read_log_observed(path, &options, |bytes| progress.add(bytes))?;
         drop(progress);
-        remark(&log);
+        remark(&log.file, &log.ignored_columns, log.skipped_rows);
         Ok(log)
     }
 
-    /// Reads several logs at once.
-    pub(crate) fn read_all(&self, paths: &[PathBuf]) -> Result<Vec<Log>> {
+    /// Digests several logs at once.
+    pub(crate) fn digest_all(&self, paths: &[PathBuf], plan: &Plan) -> Result<Vec<LogDigest>> {
         let progress = Progress::over(paths);
         let options = self.options(None)?;
         let logs = parallel::map(paths, |path| {
-            read_log_observed(path, &options, |bytes| progress.add(bytes))
+            digest_file(path, &options, plan, |bytes| progress.add(bytes))
         });
         drop(progress);
         let logs = logs.into_iter().collect::<Result<Vec<_>, _>>()?;
-        logs.iter().for_each(remark);
+        for log in &logs {
+            remark(log.file(), log.ignored_columns(), log.skipped_rows());
+        }
         Ok(logs)
     }
 
@@ -102,16 +105,12 @@ impl LogArgs {
 }
 
 /// Says what of a log was not used.
-fn remark(log: &Log) {
-    if !log.ignored_columns.is_empty() {
-        eprintln!(
-            "{}: columns not used: {}",
-            log.file,
-            log.ignored_columns.join(", ")
-        );
+fn remark(file: &str, ignored_columns: &[String], skipped_rows: usize) {
+    if !ignored_columns.is_empty() {
+        eprintln!("{file}: columns not used: {}", ignored_columns.join(", "));
     }
-    if log.skipped_rows > 0 {
-        eprintln!("{}: {} bad rows left out", log.file, log.skipped_rows);
+    if skipped_rows > 0 {
+        eprintln!("{file}: {skipped_rows} bad rows left out");
     }
 }
 

@@ -2,9 +2,9 @@
 //! and judges them.
 //!
 //! ```text
-//! log -> regress (the core) -> screen -+-> solve (per segment) --+-> assemble -> set -> table.rs, JSON
-//!                                      +-> joint (one spline) ---+               |
-//! log ----------------------------------------------------> apply (the core) <---+--> metrics
+//! log -> digest (the core) -> screen -+-> solve (per segment) --+-> assemble -> set -> table.rs, JSON
+//!                                     +-> joint (one spline) ---+               |
+//! log ---------------------------------------------------> apply (the core) <---+--> metrics
 //! ```
 //!
 //! Whatever flies is computed by the `tempco` core itself, run over the log: the regressors that
@@ -15,6 +15,7 @@ pub mod allan;
 pub mod apply;
 mod assemble;
 pub mod batch;
+pub mod digest;
 pub mod fit;
 mod import;
 mod joint;
@@ -35,6 +36,7 @@ mod statistics;
 mod tabulate;
 #[cfg(test)]
 mod testing;
+mod thinned;
 pub mod unit;
 
 pub use joint::{Candidate, HeldOutErrors, Place, Selection};

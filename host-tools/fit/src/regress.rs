@@ -2,6 +2,7 @@
 
 use tempco::{Interval, Status, TableError, Thermal, ThermalPoint, ThermalSettings, ThermalState};
 
+use crate::digest::{Block, ChannelDigest, Extremes, LogDigest, Moments};
 use crate::log::Log;
 
 /// Rows whose temperature was not believed are not fitted.
@@ -44,12 +45,11 @@ pub(crate) fn is_usable(point: &ThermalPoint) -> bool {
     !UNUSABLE.iter().any(|flag| point.status.intersects(*flag))
 }
 
-/// The rows of one channel in all logs, with the core's regressors.
+/// The blocks of one channel in all logs, and which of them are fitted.
 pub(crate) struct ChannelData<'a> {
-    pub(crate) logs: &'a [Log],
+    pub(crate) logs: &'a [LogDigest],
     pub(crate) channel: usize,
-    pub(crate) points: Vec<Vec<ThermalPoint>>,
-    /// For each log and row, whether it may enter a fit.
+    /// For each log and block, whether it may enter a fit.
     pub(crate) keep: Vec<Vec<bool>>,
     /// For each log and axis, how far its constant bias is from the mean of the logs
     /// \[unit of the axis\]; 0 until it is known.
@@ -57,71 +57,56 @@ pub(crate) struct ChannelData<'a> {
 }
 
 impl<'a> ChannelData<'a> {
-    pub(crate) fn new(logs: &'a [Log], channel: usize, thermal: &Thermal) -> Self {
-        let points: Vec<Vec<ThermalPoint>> = logs
-            .iter()
-            .map(|log| thermal_points(log, channel, thermal))
-            .collect();
-        let keep = points
-            .iter()
-            .map(|points| points.iter().map(is_usable).collect())
-            .collect();
+    /// The blocks with any rows.
+    pub(crate) fn new(logs: &'a [LogDigest], channel: usize) -> Self {
+        let keep = logs.iter().map(|log| {
+            let blocks = log.channels[channel].blocks.iter();
+            blocks.map(|block| block.moments.rows > 0).collect()
+        });
         let axes = logs[0].channels[channel].axes.len();
         Self {
             logs,
             channel,
-            points,
-            keep,
+            keep: keep.collect(),
             constants: vec![vec![0.0; axes]; logs.len()],
         }
     }
 
-    /// The same rows with the regressors of other settings; rows that these make unusable go.
-    pub(crate) fn with(&self, thermal: &Thermal) -> Self {
-        let mut data = Self::new(self.logs, self.channel, thermal);
-        for (keep, kept) in data.keep.iter_mut().zip(&self.keep) {
-            for (keep, kept) in keep.iter_mut().zip(kept) {
-                *keep &= kept;
-            }
-        }
-        data.constants.clone_from(&self.constants);
-        data
+    /// The channel in a log.
+    pub(crate) fn of(&self, log: usize) -> &'a ChannelDigest {
+        &self.logs[log].channels[self.channel]
     }
 
-    /// Kept rows: the point and the values of all axes, less the constant of their log.
-    pub(crate) fn rows(&self) -> impl Iterator<Item = (&ThermalPoint, impl Iterator<Item = f64>)> {
-        self.timed_rows().map(|(_, point, raw)| (point, raw))
+    /// The kept blocks with their log and position.
+    pub(crate) fn blocks(&self) -> impl Iterator<Item = (usize, usize, &'a Block)> {
+        let logs = self.keep.iter().enumerate();
+        logs.flat_map(|(log, keep)| {
+            let blocks = self.of(log).blocks.iter().zip(keep).enumerate();
+            let kept = blocks.filter(|(_, (_, keep))| **keep);
+            kept.map(move |(number, (block, _))| (log, number, block))
+        })
     }
 
-    /// Kept rows with the interval of their log \[s\].
-    pub(crate) fn timed_rows(
-        &self,
-    ) -> impl Iterator<Item = (f64, &ThermalPoint, impl Iterator<Item = f64>)> {
-        self.logs
-            .iter()
-            .zip(&self.points)
-            .zip(self.keep.iter().zip(&self.constants))
-            .flat_map(|((log, points), (keep, constants))| {
-                let axes = &log.channels[self.channel].axes;
-                let kept = points.iter().enumerate().filter(|(row, _)| keep[*row]);
-                kept.map(move |(row, point)| {
-                    let raw = axes.iter().zip(constants);
-                    let raw = raw.map(move |(axis, constant)| axis.raw[row] - constant);
-                    (log.interval_s, point, raw)
-                })
-            })
+    /// The means of the axes over a block, less the constant of its log.
+    pub(crate) fn levelled(&self, log: usize, moments: &Moments) -> impl Iterator<Item = f64> {
+        let axes = moments.axes.iter().zip(&self.constants[log]);
+        axes.map(|(axis, constant)| axis.mean - constant)
+    }
+
+    /// Name of the temperature.
+    pub(crate) fn temperature(&self) -> &'a str {
+        &self.of(0).column
     }
 
     pub(crate) fn axes(&self) -> usize {
-        self.logs[0].channels[self.channel].axes.len()
+        self.of(0).axes.len()
     }
 
     /// Lowest and highest of a figure of the kept rows.
-    pub(crate) fn range(&self, figure: impl Fn(&ThermalPoint) -> f32) -> (f32, f32) {
-        self.rows()
-            .map(|(point, _)| figure(point))
-            .fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), value| {
-                (low.min(value), high.max(value))
-            })
+    pub(crate) fn range(&self, figure: impl Fn(&Moments) -> Extremes) -> (f32, f32) {
+        let blocks = self.blocks();
+        let ranges = blocks.map(|(_, _, block)| figure(&block.moments));
+        let range = ranges.fold(Extremes::NONE, Extremes::with);
+        (range.low, range.high)
     }
 }

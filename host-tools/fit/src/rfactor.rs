@@ -19,6 +19,8 @@ pub struct RFactor {
     stack: DMatrix<f64>,
     pending: usize,
     rows: u64,
+    /// For each observation, what its means leave of the squares of the rows.
+    within: Vec<f64>,
 }
 
 /// The least-squares solution for the leading regressors.
@@ -46,6 +48,7 @@ impl RFactor {
             stack: DMatrix::zeros(width + BLOCK_ROWS, width),
             pending: 0,
             rows: 0,
+            within: vec![0.0; observations],
         }
     }
 
@@ -63,6 +66,25 @@ impl RFactor {
         self.push_row(row);
     }
 
+    /// Takes in the mean of `rows` rows, and for each observation the sum of squares of the rows
+    /// about it: to rounding the same as taking in the rows, if these have the same regressors.
+    ///
+    /// # Panics
+    /// If the mean does not have the width the factor was made for.
+    pub fn push_mean(
+        &mut self,
+        rows: u64,
+        mean: impl IntoIterator<Item = f64>,
+        within: impl IntoIterator<Item = f64>,
+    ) {
+        let root = (rows as f64).sqrt();
+        self.rows += rows;
+        self.push_row(mean.into_iter().map(|value| root * value));
+        for (sum, squares) in self.within.iter_mut().zip(within) {
+            *sum += squares;
+        }
+    }
+
     /// Takes in all rows of `other`; the result is that of one factor over both, to rounding.
     ///
     /// # Panics
@@ -77,6 +99,9 @@ impl RFactor {
             self.push_row(other.stack.row(i).iter().copied());
         }
         self.rows += other.rows;
+        for (sum, squares) in self.within.iter_mut().zip(other.within) {
+            *sum += squares;
+        }
     }
 
     fn push_row(&mut self, row: impl IntoIterator<Item = f64>) {
@@ -143,10 +168,11 @@ impl RFactor {
             rms: Vec::new(),
             condition,
         };
-        for column in self.regressors..self.width {
+        for (column, within) in (self.regressors..self.width).zip(&self.within) {
             let target = DVector::from_fn(terms, |i, _| r[(i, column)]);
             let coefficients = triangle.solve_upper_triangular(&target)?;
-            let residual = r.view((terms, column), (column + 1 - terms, 1)).norm();
+            let between = r.view((terms, column), (column + 1 - terms, 1));
+            let residual = (between.norm_squared() + within).sqrt();
             solution.coefficients.push(coefficients.as_slice().to_vec());
             solution.rms.push(residual / (self.rows as f64).sqrt());
             let scale = residual / freedom.sqrt();
@@ -248,6 +274,42 @@ mod tests {
             }
         }
         assert!((whole.rms[0] - merged.rms[0]).abs() < 1e-13);
+    }
+
+    #[test]
+    fn means_of_rows_with_the_same_regressors_equal_the_rows() {
+        let all: Vec<[f64; 5]> = rows(900).collect();
+        let (mut by_rows, mut by_means) = (RFactor::new(3, 2), RFactor::new(3, 2));
+        for part in all.chunks(9) {
+            let regressors = &part[0][..3];
+            let mut mean = [0.0; 2];
+            let mut squares = [0.0; 2];
+            for row in part {
+                by_rows.push(regressors.iter().chain(&row[3..]).copied());
+                for (mean, value) in mean.iter_mut().zip(&row[3..]) {
+                    *mean += value / 9.0;
+                }
+            }
+            for row in part {
+                for ((sum, mean), value) in squares.iter_mut().zip(&mean).zip(&row[3..]) {
+                    *sum += (value - mean).powi(2);
+                }
+            }
+            by_means.push_mean(9, regressors.iter().chain(&mean).copied(), squares);
+        }
+        let (by_rows, by_means) = (by_rows.solve(3).unwrap(), by_means.solve(3).unwrap());
+        for observation in 0..2 {
+            for term in 0..3 {
+                let pairs = [
+                    (&by_rows.coefficients, &by_means.coefficients),
+                    (&by_rows.sigmas, &by_means.sigmas),
+                ];
+                for (a, b) in pairs {
+                    assert!((a[observation][term] - b[observation][term]).abs() < 1e-12);
+                }
+            }
+            assert!((by_rows.rms[observation] - by_means.rms[observation]).abs() < 1e-12);
+        }
     }
 
     #[test]

@@ -30,6 +30,25 @@ pub(crate) struct SegmentFit {
     pub(crate) solution: Solution,
 }
 
+/// Where some rows lie: means of the regressors `1, z, z^2, T', z T'`, and extremes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Place {
+    pub(crate) regressors: [f64; 5],
+    pub(crate) z_range: (f64, f64),
+    pub(crate) rate_range: (f64, f64),
+}
+
+impl Place {
+    /// Of one row.
+    pub(crate) fn at(z: f64, rate: f64) -> Self {
+        Self {
+            regressors: [1.0, z, z * z, rate, z * rate],
+            z_range: (z, z),
+            rate_range: (rate, rate),
+        }
+    }
+}
+
 /// Rows of one segment, with what is needed to judge them.
 #[derive(Clone, Debug)]
 pub(crate) struct SegmentRows {
@@ -57,12 +76,25 @@ impl SegmentRows {
         rate_c_per_min: f64,
         raw: impl Iterator<Item = f64>,
     ) {
-        let wider = |(low, high): (f64, f64), value: f64| (low.min(value), high.max(value));
-        self.z_range = wider(self.z_range, z);
-        self.rate_range = wider(self.rate_range, rate_c_per_min);
-        self.time_s += interval_s;
-        let regressors = [1.0, z, z * z, rate_c_per_min, z * rate_c_per_min];
-        self.factor.push(regressors.into_iter().chain(raw));
+        let place = Place::at(z, rate_c_per_min);
+        self.push_mean(&place, (1, interval_s), raw.map(|mean| (mean, 0.0)));
+    }
+
+    /// Takes in some rows that stand for `time_s`; of each observation the mean and the sum of
+    /// squares about it.
+    pub(crate) fn push_mean(
+        &mut self,
+        place: &Place,
+        (rows, time_s): (u64, f64),
+        raw: impl Iterator<Item = (f64, f64)>,
+    ) {
+        let wider = |a: (f64, f64), b: (f64, f64)| (a.0.min(b.0), a.1.max(b.1));
+        self.z_range = wider(self.z_range, place.z_range);
+        self.rate_range = wider(self.rate_range, place.rate_range);
+        self.time_s += time_s;
+        let (means, within): (Vec<f64>, Vec<f64>) = raw.unzip();
+        let row = place.regressors.into_iter().chain(means);
+        self.factor.push_mean(rows, row, within);
     }
 
     /// Takes in all rows of `other`.

@@ -50,7 +50,7 @@ impl ChannelFit {
             reference_c,
             ..self.thermal
         };
-        let channel = &data.logs[0].channels[data.channel];
+        let channel = data.of(0);
         let fitted = Fitted {
             temperature: channel.column.clone(),
             segments: self.segments,

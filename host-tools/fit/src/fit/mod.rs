@@ -11,9 +11,11 @@ pub use error::FitError;
 use tempco::ThermalSettings;
 
 use crate::assemble;
+use crate::digest::{LogDigest, Plan, digest_log};
 use crate::joint::{self, Blocks, Choice, Chosen, FixedLag, Question, RateForm};
 use crate::log::Log;
-use crate::regress::{ChannelData, is_usable, with_every_rate};
+use crate::parallel;
+use crate::regress::{ChannelData, with_every_rate};
 use crate::screen::{Screening, Stretch, screen};
 use crate::segment::{Overlap, Segmentation};
 use crate::set::{ChannelSet, CoefficientSet, Input, Model, Provenance, Settings};
@@ -83,6 +85,39 @@ pub struct Fit {
     pub remarks: Vec<String>,
 }
 
+/// Length of the blocks of a digest \[s\]: short against every time constant of a thermal model,
+/// long enough to make a day a matter of some thousand blocks.
+const BLOCK_S: f64 = 10.0;
+
+impl FitOptions {
+    /// What must be known before logs are digested.
+    ///
+    /// Blocks are about ten seconds long: so long that means over `tau_s` are made of whole blocks,
+    /// and no longer than these.
+    ///
+    /// # Errors
+    /// Settings that the core refuses.
+    pub fn plan(&self) -> Result<Plan, FitError> {
+        let parts = (self.tau_s / BLOCK_S).round().max(1.0);
+        Ok(Plan {
+            // While fitting, every rate counts.
+            thermal: with_every_rate(self.thermal_settings()).map_err(FitError::Settings)?,
+            exclude: self.exclude.clone(),
+            robust: self.robust,
+            block_s: self.tau_s / parts,
+        })
+    }
+
+    /// The thermal path that a fit begins with.
+    fn thermal_settings(&self) -> ThermalSettings {
+        ThermalSettings {
+            tau_s: self.rate_tau_s.unwrap_or(self.thermal.tau_s),
+            kappa: self.kappa.unwrap_or(self.thermal.kappa),
+            ..self.thermal
+        }
+    }
+}
+
 /// Fits a coefficient set to one or more logs of a unit.
 ///
 /// Every log is run through the core as a unit switched on at its first row; the regressors are
@@ -91,32 +126,37 @@ pub struct Fit {
 /// # Errors
 /// Logs that do not belong together, too little temperature span, segments without data.
 pub fn fit(logs: &[Log], options: &FitOptions) -> Result<Fit, FitError> {
+    let plan = options.plan()?;
+    fit_digests(&parallel::map(logs, |log| digest_log(log, &plan)), options)
+}
+
+/// Fits a coefficient set to digests of one or more logs of a unit. Logs that were digested apart
+/// give the same as logs that were digested together.
+///
+/// # Errors
+/// Those of [`fit`].
+///
+/// # Panics
+/// If the logs were not digested by the [plan](FitOptions::plan) of these options.
+pub fn fit_digests(logs: &[LogDigest], options: &FitOptions) -> Result<Fit, FitError> {
     let first = logs.first().ok_or(FitError::NoLogs)?;
+    let plan = options.plan()?;
+    assert!(logs.iter().all(|log| log.plan == plan));
     let options = &FitOptions {
-        thermal: ThermalSettings {
-            tau_s: options.rate_tau_s.unwrap_or(options.thermal.tau_s),
-            kappa: options.kappa.unwrap_or(options.thermal.kappa),
-            ..options.thermal
-        },
+        thermal: options.thermal_settings(),
         ..options.clone()
     };
     for log in logs {
         check_same_axes(first, log)?;
         check_interval(log, &options.thermal)?;
     }
-    // While fitting, every rate counts.
-    let open = with_every_rate(options.thermal).map_err(FitError::Settings)?;
 
     let mut remarks = Vec::new();
-    let mut unusable_rows = vec![0; logs.len()];
     let mut channels = Vec::new();
     let mut data: Vec<ChannelData> = (0..first.channels.len())
-        .map(|channel| ChannelData::new(logs, channel, &open))
+        .map(|channel| ChannelData::new(logs, channel))
         .collect();
     for data in &mut data {
-        for (count, points) in unusable_rows.iter_mut().zip(&data.points) {
-            *count += points.iter().filter(|point| !is_usable(point)).count();
-        }
         channels.push(fit_channel(data, options, &mut remarks)?);
     }
     let mut set = assemble::set(
@@ -124,11 +164,7 @@ pub fn fit(logs: &[Log], options: &FitOptions) -> Result<Fit, FitError> {
         Provenance {
             tool: assemble::tool(),
             created: assemble::now(),
-            inputs: logs
-                .iter()
-                .zip(unusable_rows)
-                .map(|(log, unusable_rows)| input(log, unusable_rows))
-                .collect(),
+            inputs: logs.iter().map(input).collect(),
         },
         Settings {
             model: options.model,
@@ -140,7 +176,7 @@ pub fn fit(logs: &[Log], options: &FitOptions) -> Result<Fit, FitError> {
         },
         channels,
     );
-    statistics::note(&mut set, logs, &data, options.tau_s)?;
+    statistics::note(&mut set, &mut data, options.tau_s).map_err(FitError::Settings)?;
     remark_on_set(&set, &mut remarks);
     Ok(Fit { set, remarks })
 }
@@ -150,10 +186,9 @@ fn fit_channel(
     options: &FitOptions,
     remarks: &mut Vec<String>,
 ) -> Result<ChannelSet, FitError> {
-    let screening = screen(data, &options.thermal, &options.exclude, options.robust)
-        .map_err(FitError::Settings)?;
+    let screening = screen(data, &options.thermal, options.robust).map_err(FitError::Settings)?;
     remark_on_screening(data, &screening, remarks);
-    let (t_min_c, t_max_c) = data.range(|point| point.effective_c);
+    let (t_min_c, t_max_c) = data.range(|block| block.effective_range_c);
     let span_c = t_max_c - t_min_c;
     if span_c.is_nan() || span_c < LEAST_SPAN_C {
         return Err(FitError::Span { span_c });
@@ -218,7 +253,7 @@ fn fit_channel(
 }
 
 fn remark_on_screening(data: &ChannelData, found: &Screening, remarks: &mut Vec<String>) {
-    let temperature = &data.logs[0].channels[data.channel].column;
+    let temperature = data.temperature();
     let counts = [
         (found.excluded_rows, "in excluded stretches"),
         (found.spike_rows, "spikes"),
@@ -238,7 +273,7 @@ fn remark_on_screening(data: &ChannelData, found: &Screening, remarks: &mut Vec<
 
 /// Says which axes are left without rate terms, and why.
 fn remark_on_rates(data: &ChannelData, none: bool, with_rate: &[bool], remarks: &mut Vec<String>) {
-    let channel = &data.logs[0].channels[data.channel];
+    let channel = data.of(0);
     if none {
         remarks.push(format!(
             "{}: not improvable by the rate of temperature, as far as these logs tell: the model \
@@ -302,20 +337,21 @@ fn remark_on_set(set: &CoefficientSet, remarks: &mut Vec<String>) {
     }
 }
 
-fn input(log: &Log, unusable_rows: usize) -> Input {
+fn input(log: &LogDigest) -> Input {
+    let channels = log.channels.iter();
     Input {
         file: log.file.clone(),
         sha256: log.sha256.clone(),
-        rows: log.rows(),
+        rows: log.rows,
         skipped_rows: log.skipped_rows,
-        unusable_rows,
+        unusable_rows: channels.map(|channel| channel.unusable_rows).sum(),
         interval_s: log.interval_s,
-        duration_s: log.time_s[log.rows() - 1] - log.time_s[0],
+        duration_s: log.duration_s,
     }
 }
 
-fn check_same_axes(first: &Log, log: &Log) -> Result<(), FitError> {
-    let describe = |log: &Log| {
+fn check_same_axes(first: &LogDigest, log: &LogDigest) -> Result<(), FitError> {
+    let describe = |log: &LogDigest| {
         let channels = log.channels.iter().map(|channel| {
             let axes = channel
                 .axes
@@ -336,7 +372,7 @@ fn check_same_axes(first: &Log, log: &Log) -> Result<(), FitError> {
     }
 }
 
-fn check_interval(log: &Log, thermal: &ThermalSettings) -> Result<(), FitError> {
+fn check_interval(log: &LogDigest, thermal: &ThermalSettings) -> Result<(), FitError> {
     if log.interval_s > 0.5 * f64::from(thermal.tau_s) {
         return Err(FitError::Interval {
             file: log.file.clone(),

@@ -2,13 +2,14 @@
 
 use tempco::ThermalSettings;
 
+use crate::digest::Moments;
 use crate::fit::FitError;
 use crate::fit::channel::ChannelFit;
 use crate::model::Polynomial;
 use crate::regress::ChannelData;
-use crate::segment::{Overlap, Segmentation};
+use crate::segment::{Overlap, Segment, Segmentation};
 use crate::set::{CoefficientSigmas, SegmentSet};
-use crate::solve::{SegmentRows, TERMS};
+use crate::solve::{Place, SegmentRows, TERMS};
 
 /// Fits `terms` terms, or as many as the data can carry, to every segment.
 pub(crate) fn fit(
@@ -18,8 +19,8 @@ pub(crate) fn fit(
     (segmentation, overlap): (&Segmentation, Overlap),
     remarks: &mut Vec<String>,
 ) -> Result<ChannelFit, FitError> {
-    let (t_min_c, t_max_c) = data.range(|point| point.effective_c);
-    let temperature = &data.logs[0].channels[data.channel].column;
+    let (t_min_c, t_max_c) = data.range(|block| block.effective_range_c);
+    let temperature = data.temperature();
     let (rows, outside) = rows_of(data, segmentation, overlap);
     if outside > 0 {
         let (low, high) = segmentation.range_c();
@@ -70,7 +71,7 @@ pub(crate) fn fit(
     Ok(ChannelFit {
         thermal,
         calibrated_c: (t_min_c.max(low as f32), t_max_c.min(high as f32)),
-        rates: data.range(|point| point.rate_c_per_min),
+        rates: data.range(|block| block.rate_range),
         segmentation: segmentation.clone(),
         overlap,
         segments,
@@ -80,28 +81,55 @@ pub(crate) fn fit(
     })
 }
 
-/// The rows of each segment, and the number of rows outside all of them.
+/// The rows of each segment, and the number of rows outside all of them. A block belongs where its
+/// mean lies: its rows are a fraction of a degree apart, by which a segment may reach beyond its
+/// ends.
 fn rows_of(
     data: &ChannelData,
     segmentation: &Segmentation,
     overlap: Overlap,
-) -> (Vec<SegmentRows>, usize) {
+) -> (Vec<SegmentRows>, u64) {
     let ranges = segmentation.fit_ranges(overlap);
     let mut rows = vec![SegmentRows::new(data.axes()); ranges.len()];
     let mut outside = 0;
-    for (interval_s, point, raw) in data.timed_rows() {
-        let temp_c = f64::from(point.effective_c);
-        let raw: Vec<f64> = raw.collect();
+    for (log, _, block) in data.blocks() {
+        let moments = &block.moments;
+        let temp_c = moments.effective_c.mean;
+        let time_s = moments.rows as f64 * data.logs[log].interval_s;
         let mut taken = false;
         for ((segment, range), rows) in segmentation.segments().iter().zip(&ranges).zip(&mut rows) {
             if temp_c >= range.t_min_c && temp_c <= range.t_max_c {
-                let z = (temp_c - segment.centre_c()) / segment.half_width_c();
-                let rate = f64::from(point.rate_c_per_min);
-                rows.push(interval_s, z, rate, raw.iter().copied());
+                let place = place(segment, range, moments);
+                let squares = moments.axes.iter().map(|axis| axis.squares);
+                let raw = data.levelled(log, moments).zip(squares);
+                rows.push_mean(&place, (moments.rows, time_s), raw);
                 taken = true;
             }
         }
-        outside += usize::from(!taken);
+        outside += if taken { 0 } else { moments.rows };
     }
     (rows, outside)
+}
+
+/// Where a block lies in a segment that is fitted over `range`.
+fn place(segment: &Segment, range: &Segment, moments: &Moments) -> Place {
+    let (centre_c, half_width_c) = (segment.centre_c(), segment.half_width_c());
+    let z_of = |temp_c: f64| (temp_c - centre_c) / half_width_c;
+    let end = |temp_c: f32| z_of(f64::from(temp_c).clamp(range.t_min_c, range.t_max_c));
+    let (z, rate, rows) = (
+        z_of(moments.effective_c.mean),
+        moments.rate,
+        moments.rows as f64,
+    );
+    let square = z * z + moments.effective_c.squares / rows / (half_width_c * half_width_c);
+    let product = z * rate + moments.products / rows / half_width_c;
+    let extremes = moments.effective_range_c;
+    Place {
+        regressors: [1.0, z, square, rate, product],
+        z_range: (end(extremes.low), end(extremes.high)),
+        rate_range: (
+            moments.rate_range.low.into(),
+            moments.rate_range.high.into(),
+        ),
+    }
 }

@@ -1,14 +1,9 @@
-//! Means over blocks of ten seconds: the rows of the search for a model.
+//! The kept blocks of a channel: the rows of every least squares.
 
-use std::ops::Range;
+use tempco::{TableError, Thermal, ThermalSettings};
 
-use tempco::{TableError, ThermalSettings};
-
-use crate::regress::{ChannelData, points_of, with_every_rate};
-
-/// Length of a block \[s\]: short against every time constant of a thermal model, long enough to
-/// make a day a matter of some thousand rows.
-const BLOCK_S: f64 = 10.0;
+use crate::digest::SamplePoint;
+use crate::regress::{ChannelData, is_usable, with_every_rate};
 
 /// Block means of a channel. Constants per log and axis are taken out, so that sums of squares
 /// keep their digits.
@@ -31,54 +26,30 @@ pub(crate) struct Block {
     pub(crate) log: usize,
     /// Time of the block's middle \[s\].
     pub(crate) time_s: f64,
-    /// Rows, kept or not.
-    pub(crate) rows: Range<usize>,
+    /// Position in the digest of the log.
+    pub(crate) position: usize,
     /// Number of rows that are kept, at least 1.
     pub(crate) weight: f64,
-}
-
-/// The rows of each block of one log; consecutive, not empty.
-pub(crate) fn block_rows(time_s: &[f64], interval_s: f64) -> Vec<Range<usize>> {
-    let number = |row: usize| ((time_s[row] - time_s[0] + 0.5 * interval_s) / BLOCK_S).floor();
-    let mut blocks = Vec::new();
-    let mut start = 0;
-    for row in 1..=time_s.len() {
-        if row == time_s.len() || number(row) != number(start) {
-            blocks.push(start..row);
-            start = row;
-        }
-    }
-    blocks
 }
 
 impl Blocks {
     /// Means of the kept rows; a block without any is left out.
     pub(crate) fn new(data: &ChannelData) -> Self {
         let mut blocks = Vec::new();
-        for (number, log) in data.logs.iter().enumerate() {
-            for rows in block_rows(&log.time_s, log.interval_s) {
-                let kept = data.keep[number][rows.clone()].iter().filter(|&&k| k);
-                let weight = kept.count() as f64;
-                if weight > 0.0 {
-                    blocks.push(Block {
-                        log: number,
-                        time_s: 0.5 * (log.time_s[rows.start] + log.time_s[rows.end - 1]),
-                        rows,
-                        weight,
-                    });
-                }
+        let mut temp_c = Vec::new();
+        let mut raw = vec![Vec::new(); data.axes()];
+        for (log, position, block) in data.blocks() {
+            blocks.push(Block {
+                log,
+                time_s: 0.5 * (block.from_s + block.to_s),
+                position,
+                weight: block.moments.rows as f64,
+            });
+            temp_c.push(block.moments.temp_c);
+            for (raw, axis) in raw.iter_mut().zip(&block.moments.axes) {
+                raw.push(axis.mean);
             }
         }
-        let temps_c = mean_of_kept(data, &blocks, |log, row| {
-            f64::from(data.logs[log].channels[data.channel].temp_c[row])
-        });
-        let mut raw: Vec<Vec<f64>> = (0..data.axes())
-            .map(|axis| {
-                mean_of_kept(data, &blocks, |log, row| {
-                    data.logs[log].channels[data.channel].axes[axis].raw[row]
-                })
-            })
-            .collect();
         let mut log_means = vec![vec![0.0; data.axes()]; data.logs.len()];
         for (axis, raw) in raw.iter_mut().enumerate() {
             for (log, means) in log_means.iter_mut().enumerate() {
@@ -93,7 +64,7 @@ impl Blocks {
         }
         Self {
             blocks,
-            temp_c: temps_c,
+            temp_c,
             raw,
             log_means,
             constants: data.constants.clone(),
@@ -124,19 +95,23 @@ impl Blocks {
         settings: &ThermalSettings,
         tau_s: f64,
     ) -> Result<Vec<f64>, TableError> {
-        let thermal = with_every_rate(ThermalSettings {
-            tau_s: tau_s as f32,
-            kappa: 0.0,
-            ..*settings
-        })?;
-        let points: Vec<_> = data
-            .logs
-            .iter()
-            .map(|log| points_of(log, &log.channels[data.channel].temp_c, &thermal))
-            .collect();
-        Ok(mean_of_kept(data, &self.blocks, |log, row| {
-            f64::from(points[log][row].rate_c_per_min)
-        }))
+        let points = SamplePoints::new(
+            data,
+            &with_every_rate(ThermalSettings {
+                tau_s: tau_s as f32,
+                kappa: 0.0,
+                ..*settings
+            })?,
+        );
+        let mean = |block: &Block| {
+            let (mut sum, mut rows) = (0.0, 0.0);
+            for (point, kept) in points.of_block(block) {
+                sum += kept * f64::from(point.point.rate_c_per_min);
+                rows += kept;
+            }
+            sum / rows
+        };
+        Ok(self.blocks.iter().map(mean).collect())
     }
 
     /// Values of all axes in a block.
@@ -152,31 +127,31 @@ impl Blocks {
     }
 }
 
-fn mean_of_kept(
-    data: &ChannelData,
-    blocks: &[Block],
-    value: impl Fn(usize, usize) -> f64,
-) -> Vec<f64> {
-    let means = blocks.iter().map(|block| {
-        let kept = &data.keep[block.log];
-        let rows = block.rows.clone().filter(|&row| kept[row]);
-        rows.map(|row| value(block.log, row)).sum::<f64>() / block.weight
-    });
-    means.collect()
+/// The core's points at the samples of all logs.
+pub(crate) struct SamplePoints<'a> {
+    data: &'a ChannelData<'a>,
+    of_log: Vec<Vec<SamplePoint>>,
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
+impl<'a> SamplePoints<'a> {
+    pub(crate) fn new(data: &'a ChannelData, thermal: &Thermal) -> Self {
+        let logs = 0..data.logs.len();
+        Self {
+            data,
+            of_log: logs.map(|log| data.of(log).points(thermal)).collect(),
+        }
+    }
 
-    #[test]
-    fn blocks_are_ten_seconds_whatever_the_interval() {
-        let time_s: Vec<f64> = (0..101).map(|i| 3.0 + 0.5 * f64::from(i)).collect();
-        let blocks = block_rows(&time_s, 0.5);
-        assert_eq!(blocks[0], 0..20);
-        assert_eq!(blocks.len(), 6);
-        assert_eq!(blocks[5], 100..101);
-        let slow: Vec<f64> = (0..5).map(|i| 30.0 * f64::from(i)).collect();
-        assert_eq!(block_rows(&slow, 30.0).len(), 5);
+    /// The samples of a block and how many rows of each are kept: those that the settings make
+    /// unusable are not, unless that leaves none.
+    pub(crate) fn of_block(&self, block: &Block) -> impl Iterator<Item = (&SamplePoint, f64)> {
+        let samples = &self.data.of(block.log).blocks[block.position].samples;
+        let points = &self.of_log[block.log][samples.clone()];
+        let is_kept = |point: &SamplePoint| point.kept > 0.0 && is_usable(&point.point);
+        let any = points.iter().any(is_kept);
+        let kept = points
+            .iter()
+            .filter(move |p| p.kept > 0.0 && (!any || is_kept(p)));
+        kept.map(|point| (point, point.kept))
     }
 }

@@ -1,10 +1,10 @@
 //! The spline model of a channel, fitted on the core's own regressors.
 
-use tempco::ThermalSettings;
+use tempco::{ThermalPoint, ThermalSettings};
 
 use crate::fit::{ChannelFit, FitError};
 use crate::joint::basis::RateForm;
-use crate::joint::blocks::Blocks;
+use crate::joint::blocks::{Blocks, SamplePoints};
 use crate::joint::covariance::{Covariance, of_combinations};
 use crate::joint::lag::Lag;
 use crate::joint::layout::Layout;
@@ -12,7 +12,7 @@ use crate::joint::solve::Rows;
 use crate::regress::{ChannelData, with_every_rate};
 use crate::segment::{Overlap, Segment, Segmentation};
 use crate::set::{CoefficientSigmas, NoiseSet, SegmentSet};
-use crate::solve::{LEAST_SPAN, SegmentRows, TERMS};
+use crate::solve::{LEAST_SPAN, Place, SegmentRows, TERMS};
 
 /// Fits breakpoints of `layout` with the settings' thermal path at `lag`; an axis without its
 /// rate terms keeps the rest.
@@ -29,9 +29,18 @@ pub(crate) fn fit(
         ..settings
     };
     let open = with_every_rate(thermal).map_err(FitError::Settings)?;
-    let data = data.with(&open);
-    let blocks = Blocks::new(&data);
-    let calibrated_c = data.range(|point| point.effective_c);
+    let blocks = Blocks::new(data);
+    let points = SamplePoints::new(data, &open);
+    let samples = || {
+        let all = blocks.blocks.iter();
+        all.flat_map(|block| points.of_block(block).map(move |found| (block.log, found)))
+    };
+    let range = |figure: fn(&ThermalPoint) -> f32| {
+        let figures = samples().map(|(_, (sample, _))| figure(&sample.point));
+        let ends = (f32::INFINITY, f32::NEG_INFINITY);
+        figures.fold(ends, |(low, high), value| (low.min(value), high.max(value)))
+    };
+    let calibrated_c = range(|point| point.effective_c);
     let range_c = (f64::from(calibrated_c.0), f64::from(calibrated_c.1));
     let mut sorted_c = blocks.temp_c.clone();
     sorted_c.sort_by(f64::total_cmp);
@@ -39,7 +48,7 @@ pub(crate) fn fit(
         .basis(range_c, &sorted_c, rate, data.logs.len())
         .expect("the layout was tried on the same blocks");
 
-    let rows = Rows::new(&data, &blocks, &basis);
+    let rows = Rows::new(&points, &blocks, &basis);
     let mut factor = rows.factor(&blocks);
     let unsolved = || FitError::Joint {
         segments: basis.segments(),
@@ -98,7 +107,12 @@ pub(crate) fn fit(
     } else {
         TERMS.len()
     };
-    let segments = coverage(&data, &pieces)?
+    let timed = samples().map(|(log, (sample, kept))| Timed {
+        point: sample.point,
+        rows: kept as u64,
+        time_s: kept * data.logs[log].interval_s,
+    });
+    let segments = coverage(timed, &pieces, calibrated_c)?
         .into_iter()
         .map(|segment| SegmentSet {
             terms: TERMS[..terms].iter().map(|&t| t.to_owned()).collect(),
@@ -109,7 +123,7 @@ pub(crate) fn fit(
     Ok(ChannelFit {
         thermal,
         calibrated_c,
-        rates: data.range(|point| point.rate_c_per_min),
+        rates: range(|point| point.rate_c_per_min),
         segmentation: Segmentation::new(pieces)?,
         overlap: Overlap::Spline,
         segments,
@@ -119,18 +133,33 @@ pub(crate) fn fit(
     })
 }
 
+/// A point that stands for some rows.
+struct Timed {
+    point: ThermalPoint,
+    rows: u64,
+    time_s: f64,
+}
+
 /// What each segment was fitted from; without terms.
-fn coverage(data: &ChannelData, pieces: &[Segment]) -> Result<Vec<SegmentSet>, FitError> {
+fn coverage(
+    points: impl Iterator<Item = Timed>,
+    pieces: &[Segment],
+    (t_min_c, t_max_c): (f32, f32),
+) -> Result<Vec<SegmentSet>, FitError> {
     let mut rows = vec![SegmentRows::new(0); pieces.len()];
     let ends = &pieces[..pieces.len() - 1];
-    for (interval_s, point, _) in data.timed_rows() {
+    for Timed {
+        point,
+        rows: count,
+        time_s,
+    } in points
+    {
         let temp_c = f64::from(point.effective_c);
         let at = ends.partition_point(|piece| piece.t_max_c <= temp_c);
         let z = (temp_c - pieces[at].centre_c()) / pieces[at].half_width_c();
-        let rate = point.rate_c_per_min.into();
-        rows[at].push(interval_s, z.clamp(-1.0, 1.0), rate, std::iter::empty());
+        let place = Place::at(z.clamp(-1.0, 1.0), point.rate_c_per_min.into());
+        rows[at].push_mean(&place, (count, time_s), std::iter::empty());
     }
-    let (t_min_c, t_max_c) = data.range(|point| point.effective_c);
     let segments = pieces.iter().zip(rows).map(|(piece, mut rows)| {
         let coverage = rows.coverage();
         if rows.rows() == 0 || coverage.width < LEAST_SPAN {

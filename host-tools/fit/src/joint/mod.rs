@@ -16,7 +16,7 @@ mod selection;
 mod solve;
 
 pub(crate) use basis::{Basis, RateForm, SparseRow, dot};
-pub(crate) use blocks::Blocks;
+pub(crate) use blocks::{Block, Blocks, SamplePoints};
 pub(crate) use fit::fit;
 pub(crate) use gram::Gram;
 pub(crate) use lag::FixedLag;

@@ -1,11 +1,11 @@
 //! The final least squares of the spline model, on the core's own regressors.
 
+use crate::digest::SamplePoint;
 use crate::joint::basis::{Basis, SparseRow};
-use crate::joint::blocks::Blocks;
-use crate::regress::ChannelData;
+use crate::joint::blocks::{Blocks, SamplePoints};
 use crate::rfactor::RFactor;
 
-/// The rows of the joint least squares: for each block, the mean of the basis over its rows.
+/// The rows of the joint least squares: for each block, the mean of the basis over its samples.
 #[derive(Clone, Debug)]
 pub(crate) struct Rows {
     pub(crate) columns: usize,
@@ -16,19 +16,18 @@ pub(crate) struct Rows {
 }
 
 impl Rows {
-    /// Evaluates the basis at every kept row of the core's points and takes means.
-    pub(crate) fn new(data: &ChannelData, blocks: &Blocks, basis: &Basis) -> Self {
+    /// Evaluates the basis at the core's points of every sample and takes means.
+    pub(crate) fn new(points: &SamplePoints, blocks: &Blocks, basis: &Basis) -> Self {
         let columns = basis.columns();
         let mut values = vec![0.0; columns * blocks.blocks.len()];
         let mut entries = SparseRow::new();
         for (block, mean) in blocks.blocks.iter().zip(values.chunks_exact_mut(columns)) {
-            let points = &data.points[block.log];
-            for row in block.rows.clone().filter(|&row| data.keep[block.log][row]) {
-                let point = &points[row];
+            let rows: f64 = points.of_block(block).map(|(_, kept)| kept).sum();
+            for (SamplePoint { point, .. }, kept) in points.of_block(block) {
                 let (temp_c, rate) = (point.effective_c.into(), point.rate_c_per_min.into());
                 basis.row(block.log, temp_c, rate, &mut entries);
                 for &(column, value) in &entries {
-                    mean[column] += value / block.weight;
+                    mean[column] += kept / rows * value;
                 }
             }
         }

@@ -38,6 +38,92 @@ pub(super) fn prefix(text: &[u8]) -> Option<(f64, usize)> {
     Some((if is_negative { -magnitude } else { magnitude }, at))
 }
 
+/// A number of at most so many digits before the point is read by [`short`].
+const MOST_SHORT_DIGITS: u32 = 7;
+
+/// Reads the plain number at `at` of `text`, with up to 7 digits before the point and 8 after, of
+/// at most 16 bytes with what ends it; returns its value and where it ends. `None` of any other
+/// number, which is for [`prefix`], and near the ends of the text.
+///
+/// All bytes are looked at together: a number costs the same whatever its digits.
+#[inline]
+pub(super) fn short(text: &[u8], at: usize) -> Option<(f64, usize)> {
+    let bytes: &[u8; 16] = text.get(at..at + 16)?.try_into().ok()?;
+    let (low, high) = bytes.split_at(8);
+    let low = u64::from_le_bytes(low.try_into().ok()?);
+    let high = u64::from_le_bytes(high.try_into().ok()?);
+    // One bit for each byte that is no digit; the first byte may be a sign.
+    let others = u32::from(not_digits(low)) | u32::from(not_digits(high)) << 8;
+    let is_negative = bytes[0] == b'-';
+    let sign = u32::from(is_negative);
+    let after_sign = others & !sign;
+    let point = after_sign.trailing_zeros();
+    let whole_digits = point.wrapping_sub(sign);
+    if whole_digits > MOST_SHORT_DIGITS {
+        return None;
+    }
+    let digits = low & !(0xff * u64::from(sign));
+    // Digits to the last places of eight, 0 before them.
+    let whole = eight_digits(digits.checked_shl(8 * (8 - point)).unwrap_or(0));
+    let (mantissa, decimals, end) = if bytes[point as usize] == b'.' {
+        let end = (after_sign & (after_sign - 1)).trailing_zeros();
+        let decimals = end.wrapping_sub(point + 1);
+        let end = at + end as usize;
+        if decimals > 8 || whole_digits + decimals == 0 {
+            return None;
+        }
+        let last: &[u8; 8] = text.get(end.checked_sub(8)?..end)?.try_into().ok()?;
+        let places = u64::MAX.checked_shl(8 * (8 - decimals)).unwrap_or(0);
+        let fraction = eight_digits(u64::from_le_bytes(*last) & places);
+        let scale = POWERS_OF_TEN_INTEGER[decimals as usize];
+        (whole * scale + fraction, decimals as usize, end)
+    } else if whole_digits > 0 {
+        (whole, 0, at + point as usize)
+    } else {
+        return None;
+    };
+    // Below 1e15 and so exact, as is the power: the quotient is rounded once. The sign is no branch,
+    // which noise about zero would take at random.
+    let magnitude = mantissa as i64 as f64 / POWERS_OF_TEN[decimals];
+    let sign_bit = u64::from(is_negative) << 63;
+    Some((f64::from_bits(magnitude.to_bits() | sign_bit), end))
+}
+
+const POWERS_OF_TEN_INTEGER: [u64; 9] = [
+    1,
+    10,
+    100,
+    1_000,
+    10_000,
+    100_000,
+    1_000_000,
+    10_000_000,
+    100_000_000,
+];
+
+/// A bit for each of eight bytes, the first byte's the lowest: whether it is no decimal digit.
+#[inline]
+fn not_digits(bytes: u64) -> u8 {
+    const HIGH: u64 = 0x8080_8080_8080_8080;
+    let value = bytes ^ 0x3030_3030_3030_3030;
+    // A digit's value is below 10: adding 118 to its low seven bits does not reach the high bit.
+    let beyond = ((value & !HIGH) + 0x7676_7676_7676_7676) | value;
+    // The product gathers the high bits in the top byte.
+    (((beyond & HIGH) >> 7).wrapping_mul(0x0102_0408_1020_4080) >> 56) as u8
+}
+
+/// The number that eight bytes of text make, the first one the highest place; bytes of 0 count as
+/// the digit 0.
+#[inline]
+fn eight_digits(bytes: u64) -> u64 {
+    // Pairs, then fours, then all: each product adds the upper neighbour ten, a hundred, ten
+    // thousand times.
+    let digits = bytes & 0x0f0f_0f0f_0f0f_0f0f;
+    let pairs = (digits.wrapping_mul(10 * 256 + 1) >> 8) & 0x00ff_00ff_00ff_00ff;
+    let fours = (pairs.wrapping_mul(100 * 65_536 + 1) >> 16) & 0x0000_ffff_0000_ffff;
+    fours.wrapping_mul(10_000 * (1 << 32) + 1) >> 32
+}
+
 /// Adds the digits that `text` starts with to `mantissa`; returns their number.
 #[inline]
 fn digits(text: &[u8], mantissa: &mut u64) -> usize {
@@ -73,6 +159,65 @@ mod tests {
             && length == text.len()
         {
             assert_eq!(value.to_bits(), expected.to_bits(), "{text}");
+        }
+        let cells = format!("00000000{text},0000000000000000");
+        if let Some((value, end)) = short(cells.as_bytes(), 8)
+            && end == 8 + text.len()
+        {
+            assert_eq!(value.to_bits(), expected.to_bits(), "{text}");
+        }
+    }
+
+    #[test]
+    fn short_numbers_take_the_shortest_way() {
+        let read = |text: &str| {
+            let cells = format!("9,9,9,9,{text}0000000000000000");
+            let (value, end) = short(cells.as_bytes(), 8)?;
+            Some((value, end - 8))
+        };
+        for (text, value, length) in [
+            ("0,", 0.0, 1),
+            ("-0.0625,", -0.0625, 7),
+            ("72000.5003\n", 72000.5003, 10),
+            ("-1234567.12345,", -1_234_567.123_45, 14),
+            (".12345678,", 0.123_456_78, 9),
+            ("-.5\r", -0.5, 3),
+            ("5.,", 5.0, 2),
+            ("1e5,", 1.0, 1),
+            ("1.5.2,", 1.5, 3),
+            ("9999999,", 9_999_999.0, 7),
+        ] {
+            assert_eq!(read(text), Some((value, length)), "{text}");
+        }
+        assert!(read("-0,").unwrap().0.is_sign_negative());
+        for text in [
+            ",",
+            "-,",
+            ".,",
+            "-.,",
+            "x,",
+            "+1,",
+            "--1,",
+            " 1,",
+            "12345678,",
+            "1.123456789,",
+            "-123456.12345678,",
+        ] {
+            assert_eq!(read(text), None, "{text}");
+        }
+    }
+
+    /// Every byte beside a digit.
+    #[test]
+    fn only_digits_are_digits() {
+        for byte in 0..=255_u8 {
+            let bytes = u64::from_le_bytes([b'0', byte, b'9', byte, b'5', b'5', b'5', byte]);
+            let expected = if byte.is_ascii_digit() {
+                0
+            } else {
+                0b1000_1010
+            };
+            assert_eq!(not_digits(bytes), expected, "{byte}");
         }
     }
 

@@ -72,6 +72,13 @@ impl LogError {
         }
     }
 
+    pub(crate) fn too_few_rows(path: &Path, found: usize) -> Self {
+        Self::file(
+            path,
+            format!("{found} usable rows after the header: expected at least 2"),
+        )
+    }
+
     pub(crate) fn line(path: &Path, line: u64, message: impl Into<String>) -> Self {
         Self::Line {
             path: path.to_owned(),

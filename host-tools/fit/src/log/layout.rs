@@ -124,12 +124,11 @@ impl Layout {
         None
     }
 
-    /// Whether a finite value is acceptable.
-    #[inline]
-    pub(super) fn accepts(kind: Kind, value: f64) -> bool {
+    /// Lowest and highest acceptable value.
+    pub(super) fn limits(kind: Kind) -> (f64, f64) {
         match kind {
-            Kind::Temp(_) => PLAUSIBLE_TEMP_C.contains(&value),
-            Kind::Time | Kind::Axis(_) => value.abs() <= LARGEST_VALUE,
+            Kind::Temp(_) => (*PLAUSIBLE_TEMP_C.start(), *PLAUSIBLE_TEMP_C.end()),
+            Kind::Time | Kind::Axis(_) => (-LARGEST_VALUE, LARGEST_VALUE),
         }
     }
 

@@ -1,8 +1,8 @@
 //! Chamber logs: typed, checked, in units.
 //!
 //! ```text
-//! source (digest, unpack) -> blocks -> rows -> order -> stream -> read (the whole log)
-//!                    parquet ----------------^
+//! source (digest, unpack) -> blocks -> rows -> order -> stream -+-> read (the whole log)
+//!                    parquet ----------------^         +-> digest
 //! ```
 
 mod blocks;
@@ -10,6 +10,7 @@ mod chunk;
 mod columns;
 mod decimal;
 mod error;
+mod interval;
 mod layout;
 mod order;
 mod parquet;
@@ -25,6 +26,7 @@ mod tests;
 pub use chunk::Chunk;
 pub use columns::{AxisColumn, Mapping, TempColumn};
 pub use error::LogError;
+pub(crate) use interval::Intervals;
 pub use read::{ReadOptions, read_log, read_log_observed};
 pub(crate) use source::hex;
 pub use stream::LogStream;

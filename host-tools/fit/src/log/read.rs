@@ -4,9 +4,9 @@ use std::path::Path;
 
 use super::chunk::Chunk;
 use super::columns::Mapping;
+use super::interval::Intervals;
 use super::stream::LogStream;
 use super::{Axis, Channel, Log, LogError};
-use crate::unit::{AxisUnit, ColumnUnit};
 
 /// How to read a log.
 #[derive(Clone, Debug, Default)]
@@ -62,13 +62,11 @@ fn whole(
         bytes_read(stream.bytes_read());
     }
     if rows.rows() < 2 {
-        let found = rows.rows();
-        return Err(LogError::file(
-            path,
-            format!("{found} usable rows after the header: expected at least 2"),
-        ));
+        return Err(LogError::too_few_rows(path, rows.rows()));
     }
-    let interval_s = median_interval_s(&rows.time_s);
+    let mut intervals = Intervals::new();
+    intervals.take(&rows.time_s);
+    let interval_s = intervals.median_s();
     Ok(Log {
         file: path
             .file_name()
@@ -102,7 +100,8 @@ fn channels(
                 .iter()
                 .zip(&mut axes)
                 .map(|((_, axis), mut raw)| {
-                    let unit = to_axis_unit(&mut raw, axis.unit, interval_s, scale_factor);
+                    let (factor, unit) = axis.unit.in_axis_unit(interval_s, scale_factor);
+                    raw.iter_mut().for_each(|value| *value *= factor);
                     Axis {
                         name: axis.name.clone(),
                         unit,
@@ -112,27 +111,6 @@ fn channels(
                 .collect(),
         })
         .collect()
-}
-
-fn to_axis_unit(
-    values: &mut [f64],
-    unit: ColumnUnit,
-    interval_s: f64,
-    scale_factor_arcsec: Option<f64>,
-) -> AxisUnit {
-    let (factor, unit) = unit.in_axis_unit(interval_s, scale_factor_arcsec);
-    if factor != 1.0 {
-        for value in values {
-            *value *= factor;
-        }
-    }
-    unit
-}
-
-fn median_interval_s(time_s: &[f64]) -> f64 {
-    let mut intervals: Vec<f64> = time_s.windows(2).map(|t| t[1] - t[0]).collect();
-    let middle = intervals.len() / 2;
-    *intervals.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 #[cfg(test)]

@@ -1,11 +1,11 @@
 //! Rows of text become numbers.
 
-use memchr::{memchr, memchr2};
+use memchr::{memchr_iter, memchr2};
 
 use super::LogError;
 use super::blocks::Block;
 use super::decimal;
-use super::layout::Layout;
+use super::layout::{Layout, Slot};
 use super::order::{Bad, Parsed};
 use super::records::Records;
 
@@ -35,22 +35,33 @@ pub(super) fn parse(layout: &Layout, block: &Block, skip_bad_rows: bool) -> Pars
     rows.parsed
 }
 
-/// For each column of the file, the slots that it fills.
-fn plan(layout: &Layout) -> Vec<Vec<usize>> {
-    (0..layout.header.len())
-        .map(|position| {
-            let slots = layout.slots.iter().enumerate();
-            slots
-                .filter(|(_, slot)| slot.position == position)
-                .map(|(number, _)| number)
-                .collect()
-        })
-        .collect()
+/// A column of the file.
+struct Column {
+    /// The slots that it fills; none if it is not read.
+    slots: Vec<usize>,
+    /// Lowest and highest value that all of them accept.
+    limits: (f64, f64),
+}
+
+fn plan(layout: &Layout) -> Vec<Column> {
+    let column = |position: usize| {
+        let slots = layout.slots.iter().enumerate();
+        let slots = slots.filter(|(_, slot)| slot.position == position);
+        let limits = |(low, high): (f64, f64), (_, slot): (usize, &Slot)| {
+            let (least, most) = Layout::limits(slot.kind);
+            (low.max(least), high.min(most))
+        };
+        Column {
+            slots: slots.clone().map(|(number, _)| number).collect(),
+            limits: slots.fold((f64::MIN, f64::MAX), limits),
+        }
+    };
+    (0..layout.header.len()).map(column).collect()
 }
 
 struct Rows<'a> {
     layout: &'a Layout,
-    plan: Vec<Vec<usize>>,
+    plan: Vec<Column>,
     /// The row being read: nothing is kept of a row with a bad cell.
     values: Vec<f64>,
     skip_bad_rows: bool,
@@ -59,25 +70,26 @@ struct Rows<'a> {
 
 impl Rows<'_> {
     /// Rows without quotes, each ended by a line feed.
+    ///
+    /// The line feeds are looked for ahead: where a row starts does not wait for the numbers of the
+    /// row before, so that the processor works on both at a time.
     fn plain(&mut self, text: &[u8]) {
-        let (mut at, mut line) = (0, 0);
-        while at < text.len() {
-            let rest = &text[at..];
-            if let Some(length) = self.row(rest) {
+        let (mut start, mut line) = (0, 0);
+        for end in memchr_iter(b'\n', text) {
+            if self.row(text, start) == Some(end) {
                 self.keep(line);
-                at += length;
             } else {
                 // Blank, bad or unusual: looked at cell by cell.
-                let end = memchr(b'\n', rest).unwrap_or(rest.len());
-                let row = rest[..end].strip_suffix(b"\r").unwrap_or(&rest[..end]);
+                let row = &text[start..end];
+                let row = row.strip_suffix(b"\r").unwrap_or(row);
                 if !row.is_empty() {
                     let cells: Vec<&[u8]> = row.split(|&byte| byte == b',').collect();
                     if !self.cells(line, &cells) {
                         return;
                     }
                 }
-                at += end + 1;
             }
+            start = end + 1;
             line += 1;
         }
     }
@@ -92,32 +104,31 @@ impl Rows<'_> {
         }
     }
 
-    /// Reads a good row at the start of `text` into `values` and returns its length with the line
-    /// feed; `None` if there is none.
+    /// Reads a good row at `at` of `text` into `values` and returns where its line feed is; `None`
+    /// if there is none.
     #[inline]
-    fn row(&mut self, text: &[u8]) -> Option<usize> {
-        let mut at = 0;
+    fn row(&mut self, text: &[u8], mut at: usize) -> Option<usize> {
         let last = self.plan.len() - 1;
-        for (position, slots) in self.plan.iter().enumerate() {
-            let end = if position == last { b'\n' } else { b',' };
-            if slots.is_empty() {
+        for (position, column) in self.plan.iter().enumerate() {
+            if column.slots.is_empty() {
                 at += memchr2(b',', b'\n', &text[at..])?;
             } else {
-                let (value, next) = cell(text, at)?;
-                at = next;
-                for &slot in slots {
-                    if !Layout::accepts(self.layout.slots[slot].kind, value) {
-                        return None;
-                    }
+                let (value, end) = cell(text, at)?;
+                at = end;
+                if value < column.limits.0 || value > column.limits.1 {
+                    return None;
+                }
+                for &slot in &column.slots {
                     self.values[slot] = value;
                 }
             }
-            if *text.get(at)? != end {
+            let separator = if position == last { b'\n' } else { b',' };
+            if text[at] != separator {
                 return None;
             }
             at += 1;
         }
-        Some(at)
+        Some(at - 1)
     }
 
     /// Keeps the row that was read.
@@ -178,17 +189,19 @@ impl Rows<'_> {
 }
 
 /// Reads the cell at `at` of `text`; returns its value and where it ends.
-#[inline]
+#[inline(always)]
 fn cell(text: &[u8], at: usize) -> Option<(f64, usize)> {
-    if let Some((value, length)) = decimal::prefix(&text[at..])
-        && matches!(text.get(at + length), Some(b',' | b'\n'))
+    if let Some((value, end)) = decimal::short(text, at)
+        && matches!(text.get(end), Some(b',' | b'\n'))
     {
-        return Some((value, at + length));
+        return Some((value, end));
     }
     unusual_cell(text, at)
 }
 
-/// A cell with blanks, an exponent, many digits, or before a carriage return.
+/// A cell with blanks, an exponent, many digits, before a carriage return, or near the ends of the
+/// text.
+#[cold]
 fn unusual_cell(text: &[u8], at: usize) -> Option<(f64, usize)> {
     let end = at + memchr2(b',', b'\n', &text[at..])?;
     let cell = text[at..end].trim_ascii();

@@ -13,8 +13,8 @@ use super::pipeline::Pipeline;
 use super::source::{Format, Source};
 use super::{LogError, ReadOptions};
 
-/// Text parsed at a time.
-const BLOCK_BYTES: usize = 1 << 20;
+/// Text parsed at a time: few enough for the cache of a core, enough to make handing over cheap.
+const BLOCK_BYTES: usize = 1 << 18;
 
 /// Rows of a table read at a time.
 const TABLE_ROWS: usize = 1 << 16;

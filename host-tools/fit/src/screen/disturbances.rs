@@ -4,7 +4,8 @@ use tempco::{TableError, ThermalSettings};
 
 use crate::joint::{Basis, Blocks, Gram, RateForm, SparseRow, dot};
 use crate::regress::ChannelData;
-use crate::screen::{BiasStep, SIGMA_PER_MAD, SIGMA_PER_STEP, median, steps};
+use crate::screen::{BiasStep, SIGMA_PER_MAD, steps};
+use crate::thinned::median;
 
 /// Blocks further from the fit than this many standard deviations are left out.
 const LIMIT: f64 = 6.0;
@@ -116,12 +117,9 @@ fn usual_weight(blocks: &Blocks) -> f64 {
 fn white_sigmas(data: &ChannelData, blocks: &Blocks) -> Vec<f64> {
     let root = usual_weight(blocks).sqrt();
     let of_axis = |axis: usize| {
-        let logs = data.logs.iter();
-        let columns = logs.map(|log| &log.channels[data.channel].axes[axis].raw);
-        let mut steps: Vec<f64> = columns
-            .flat_map(|raw| raw.windows(2).map(|pair| (pair[1] - pair[0]).abs()))
-            .collect();
-        SIGMA_PER_STEP * median(&mut steps) / root
+        let logs = 0..data.logs.len();
+        let mut of_logs: Vec<f64> = logs.map(|log| data.of(log).white_sigmas[axis]).collect();
+        median(&mut of_logs) / root
     };
     (0..data.axes()).map(of_axis).collect()
 }
@@ -175,10 +173,8 @@ impl Reference {
             .zip(&self.keep)
             .filter(|(_, k)| !**k)
         {
-            for keep in &mut data.keep[block.log][block.rows.clone()] {
-                count += usize::from(*keep);
-                *keep = false;
-            }
+            data.keep[block.log][block.position] = false;
+            count += block.weight as usize;
         }
         count
     }
@@ -195,7 +191,7 @@ impl Reference {
                 .filter(|&i| self.keep[i] && self.blocks.blocks[i].log == number)
                 .collect();
             let times: Vec<f64> = kept.iter().map(|&i| self.blocks.blocks[i].time_s).collect();
-            let axes = &log.channels[data.channel].axes;
+            let axes = &data.of(number).axes;
             for (axis, residuals) in axes.iter().zip(&self.residuals) {
                 let values: Vec<f64> = kept.iter().map(|&i| residuals[i]).collect();
                 let steps = steps::find(&times, &values).into_iter();

@@ -5,6 +5,8 @@ mod disturbances;
 mod spikes;
 mod steps;
 
+pub(crate) use spikes::{SpikeScreen, window_rows};
+
 use serde::{Deserialize, Serialize};
 use tempco::{TableError, ThermalSettings};
 
@@ -52,23 +54,22 @@ pub struct Screening {
     pub constants: Vec<Vec<f64>>,
 }
 
-/// Takes excluded stretches out, and, if `robust`, spikes and disturbances; levels the logs.
+/// Counts what was left out of the blocks, takes disturbed blocks out if `robust`, and levels the
+/// logs.
 ///
 /// # Errors
 /// Settings that the core refuses.
 pub(crate) fn screen(
     data: &mut ChannelData,
     settings: &ThermalSettings,
-    exclude: &[Stretch],
     robust: bool,
 ) -> Result<Screening, TableError> {
+    let logs = || (0..data.logs.len()).map(|log| data.of(log));
     let mut screening = Screening {
-        excluded_rows: leave_out(data, exclude),
+        excluded_rows: logs().map(|log| log.excluded_rows).sum(),
+        spike_rows: logs().map(|log| log.spike_rows).sum(),
         ..Screening::default()
     };
-    if robust {
-        screening.spike_rows = spikes::leave_out(data);
-    }
     if robust || data.logs.len() > 1 {
         let found = disturbances::find(data, settings, robust)?;
         screening.disturbed_rows = found.leave_out(data);
@@ -79,29 +80,6 @@ pub(crate) fn screen(
         }
     }
     Ok(screening)
-}
-
-fn leave_out(data: &mut ChannelData, exclude: &[Stretch]) -> usize {
-    let mut count = 0;
-    for (log, keep) in data.logs.iter().zip(&mut data.keep) {
-        for (time_s, keep) in log.time_s.iter().zip(keep) {
-            let excluded = exclude
-                .iter()
-                .any(|stretch| (stretch.from_s..=stretch.to_s).contains(time_s));
-            count += usize::from(excluded && *keep);
-            *keep &= !excluded;
-        }
-    }
-    count
-}
-
-/// The median; 0 of nothing. The order of `values` is lost.
-fn median(values: &mut [f64]) -> f64 {
-    if values.is_empty() {
-        return 0.0;
-    }
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 /// Standard deviation of normal values over their median distance from the median.

@@ -1,7 +1,10 @@
 //! Rows that are far from their neighbours in time.
 
-use crate::regress::ChannelData;
-use crate::screen::{SIGMA_PER_MAD, SIGMA_PER_STEP, median};
+use std::collections::VecDeque;
+
+use crate::digest::Rows;
+use crate::screen::{SIGMA_PER_MAD, SIGMA_PER_STEP};
+use crate::thinned::{Thinned, median};
 
 /// Rows further from their local median than this many standard deviations are left out: of
 /// normal noise one in 5e8.
@@ -10,56 +13,233 @@ const LIMIT: f64 = 6.0;
 /// The local median is over this long \[s\] ...
 const WINDOW_S: f64 = 10.0;
 
-/// ... or over this many rows, if they take longer.
-const WINDOW_ROWS: usize = 11;
+/// ... or over this many rows, if they take longer, and over this many if they take less time ...
+const WINDOW_ROWS: (usize, usize) = (11, 4096);
 
-/// Leaves spikes out, for all axes; returns the number of rows.
-pub(super) fn leave_out(data: &mut ChannelData) -> usize {
-    let mut count = 0;
-    for (log, keep) in data.logs.iter().zip(&mut data.keep) {
-        let rows: Vec<usize> = (0..log.rows()).filter(|&row| keep[row]).collect();
-        let window = WINDOW_ROWS.max((WINDOW_S / log.interval_s) as usize);
-        for axis in &log.channels[data.channel].axes {
-            let values: Vec<f64> = rows.iter().map(|&row| axis.raw[row]).collect();
-            for spike in spikes(&values, window) {
-                count += usize::from(keep[rows[spike]]);
-                keep[rows[spike]] = false;
+/// ... of which so many, evenly spaced, are enough to tell it.
+const LOOKED_AT: usize = 64;
+
+/// No row is judged before the scale is known from so many, or from all there are.
+const ROWS_AHEAD: usize = 1 << 14;
+
+/// Distances and steps that the scale is taken from.
+const SCALE_VALUES: usize = 1 << 12;
+
+/// Number of rows in a window.
+pub(crate) fn window_rows(interval_s: f64) -> usize {
+    ((WINDOW_S / interval_s) as usize).clamp(WINDOW_ROWS.0, WINDOW_ROWS.1)
+}
+
+/// Judges rows window by window: the values of an axis that are far from the local median and from
+/// those before and after it, to which a lasting change would belong, are spikes.
+///
+/// The scale is the larger of two: of the distances from the local medians, and of the steps
+/// between neighbours that differ, which is not below the step of a coarse output such as whole
+/// pulses. Both are medians over the log so far, and over its first 2^14 rows at least.
+#[derive(Clone, Debug)]
+pub(crate) struct SpikeScreen {
+    axes: Vec<Scale>,
+    /// Windows that are not judged yet; the last one's successor is still to come.
+    waiting: VecDeque<Window>,
+    /// The local medians before those that wait.
+    before: Option<Vec<f64>>,
+    rows: usize,
+    spikes: usize,
+}
+
+#[derive(Clone, Debug)]
+struct Window {
+    rows: Rows,
+    /// Local median of each axis; NaN of no kept rows.
+    levels: Vec<f64>,
+}
+
+/// What is out of the ordinary for an axis.
+#[derive(Clone, Debug)]
+struct Scale {
+    distances: Thinned,
+    steps: Thinned,
+    /// Distances that the limit was taken from.
+    counted: usize,
+    limit: f64,
+}
+
+impl SpikeScreen {
+    pub(crate) fn new(axes: usize) -> Self {
+        let scale = Scale {
+            distances: Thinned::new(SCALE_VALUES),
+            steps: Thinned::new(SCALE_VALUES),
+            counted: 0,
+            limit: f64::INFINITY,
+        };
+        Self {
+            axes: vec![scale; axes],
+            waiting: VecDeque::new(),
+            before: None,
+            rows: 0,
+            spikes: 0,
+        }
+    }
+
+    /// Takes in the next window; hands on those that are judged, spikes no longer kept.
+    pub(crate) fn take(&mut self, rows: Rows, judged: &mut impl FnMut(&Rows)) {
+        self.rows += rows.len();
+        let looked_at = looked_at(&rows);
+        for (scale, values) in self.axes.iter_mut().zip(&rows.axes) {
+            let pairs: Vec<usize> = looked_at
+                .iter()
+                .copied()
+                .filter(|&row| rows.keep.get(row + 1) == Some(&true))
+                .collect();
+            scale.steps.extend(pairs.len(), |i| {
+                (values[pairs[i] + 1] - values[pairs[i]]).abs()
+            });
+        }
+        let level = |values: &Vec<f64>| {
+            let mut looked_at: Vec<f64> = looked_at.iter().map(|&row| values[row]).collect();
+            match looked_at.is_empty() {
+                true => f64::NAN,
+                false => median(&mut looked_at),
+            }
+        };
+        let levels = rows.axes.iter().map(level).collect();
+        self.waiting.push_back(Window { rows, levels });
+        if let Some(last_but_one) = self.waiting.len().checked_sub(2) {
+            self.measure(last_but_one);
+        }
+        if self.rows >= ROWS_AHEAD {
+            while self.waiting.len() > 1 {
+                self.judge(judged);
             }
         }
     }
-    count
+
+    /// Hands on what is left.
+    pub(crate) fn finish(&mut self, judged: &mut impl FnMut(&Rows)) {
+        if let Some(last) = self.waiting.len().checked_sub(1) {
+            self.measure(last);
+        }
+        while !self.waiting.is_empty() {
+            self.judge(judged);
+        }
+    }
+
+    /// Rows that were left out.
+    pub(crate) fn spikes(&self) -> usize {
+        self.spikes
+    }
+
+    /// For each axis the standard deviation of its white noise, as far as neighbouring rows tell it.
+    pub(crate) fn white_sigmas(&self) -> Vec<f64> {
+        let of_axis = |scale: &Scale| SIGMA_PER_STEP * median(&mut scale.steps.values().to_vec());
+        self.axes.iter().map(of_axis).collect()
+    }
+
+    /// The local medians that the rows of a waiting window may belong to.
+    fn levels(&self, window: usize, axis: usize) -> [f64; 3] {
+        let of = |window: Option<&Window>| window.map(|w| w.levels[axis]);
+        let before = match window.checked_sub(1) {
+            Some(before) => of(self.waiting.get(before)),
+            None => self.before.as_ref().map(|levels| levels[axis]),
+        };
+        let others = [
+            of(self.waiting.get(window)),
+            of(self.waiting.get(window + 1)),
+        ];
+        [before, others[0], others[1]].map(|level| level.unwrap_or(f64::NAN))
+    }
+
+    /// Takes the distances of a window's rows into the scale.
+    fn measure(&mut self, window: usize) {
+        for axis in 0..self.axes.len() {
+            let levels = self.levels(window, axis);
+            let rows = &self.waiting[window].rows;
+            let looked_at = looked_at(rows);
+            let values = &rows.axes[axis];
+            let scale = &mut self.axes[axis];
+            scale
+                .distances
+                .extend(looked_at.len(), |i| distance(values[looked_at[i]], levels));
+        }
+    }
+
+    fn judge(&mut self, judged: &mut impl FnMut(&Rows)) {
+        let mut spikes = Vec::new();
+        for axis in 0..self.axes.len() {
+            let levels = self.levels(0, axis);
+            let limit = self.axes[axis].limit();
+            let rows = &self.waiting[0].rows;
+            let values = &rows.axes[axis];
+            // Hardly a window has a row that is far from its own median.
+            let far = |value: f64| (value - levels[1]).abs() > limit;
+            if !values.iter().fold(false, |any, &value| any | far(value)) {
+                continue;
+            }
+            let is_spike = |&row: &usize| rows.keep[row] && distance(values[row], levels) > limit;
+            spikes.extend((0..values.len()).filter(is_spike));
+        }
+        let mut window = self.waiting.pop_front().expect("a window waits");
+        for row in spikes {
+            self.spikes += usize::from(window.rows.keep[row]);
+            window.rows.keep[row] = false;
+        }
+        self.before = Some(window.levels);
+        judged(&window.rows);
+    }
 }
 
-/// Positions of spikes: values far from the local median and from those before and after it, to
-/// which a lasting change would belong. The scale is the larger of two: of the distances from the local medians,
-/// and of the steps between neighbours that differ, which is not below the step of a coarse
-/// output such as whole pulses.
-fn spikes(values: &[f64], window: usize) -> Vec<usize> {
-    let levels: Vec<f64> = values
-        .chunks(window)
-        .map(|part| median(&mut part.to_vec()))
-        .collect();
-    let distance = |row: usize| {
-        let own = row / window;
-        let near = own.saturating_sub(1)..(own + 2).min(levels.len());
-        let all = levels[near].iter().map(|level| (values[row] - level).abs());
-        all.fold(f64::INFINITY, f64::min)
-    };
-    let distances: Vec<f64> = (0..values.len()).map(distance).collect();
-    let steps = values.windows(2).map(|pair| (pair[1] - pair[0]).abs());
-    let mut steps: Vec<f64> = steps.filter(|&step| step > 0.0).collect();
-    let spread = SIGMA_PER_MAD * median(&mut distances.clone());
-    let limit = LIMIT * spread.max(SIGMA_PER_STEP * median(&mut steps));
-    let far = distances.iter().enumerate();
-    far.filter(|&(_, &distance)| distance > limit)
-        .map(|(position, _)| position)
-        .collect()
+/// Distance from the nearest of the levels.
+fn distance(value: f64, levels: [f64; 3]) -> f64 {
+    let distances = levels.map(|level| (value - level).abs());
+    distances.into_iter().fold(f64::INFINITY, f64::min)
+}
+
+/// Some kept rows of a window, evenly spaced.
+fn looked_at(rows: &Rows) -> Vec<usize> {
+    let every = rows.len().div_ceil(LOOKED_AT).max(1);
+    let some = (0..rows.len()).step_by(every);
+    some.filter(|&row| rows.keep[row]).collect()
+}
+
+impl Scale {
+    /// The limit, anew whenever the log has grown by an eighth.
+    fn limit(&mut self) -> f64 {
+        let seen = self.distances.seen();
+        if 8 * seen > 9 * self.counted {
+            let steps = self.steps.values().iter().copied();
+            let mut steps: Vec<f64> = steps.filter(|&step| step > 0.0).collect();
+            let spread = SIGMA_PER_MAD * median(&mut self.distances.values().to_vec());
+            self.limit = LIMIT * spread.max(SIGMA_PER_STEP * median(&mut steps));
+            self.counted = seen;
+        }
+        self.limit
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::testing::white;
+
+    /// Positions of the spikes of a series.
+    fn spikes(values: &[f64], window: usize) -> Vec<usize> {
+        let (mut screen, mut keep) = (SpikeScreen::new(1), Vec::new());
+        let mut judged = |rows: &Rows| keep.extend_from_slice(&rows.keep);
+        for values in values.chunks(window) {
+            let rows = Rows {
+                time_s: vec![0.0; values.len()],
+                keep: vec![true; values.len()],
+                axes: vec![values.to_vec()],
+                ..Rows::default()
+            };
+            screen.take(rows, &mut judged);
+        }
+        screen.finish(&mut judged);
+        assert_eq!(keep.len(), values.len());
+        let found: Vec<usize> = (0..keep.len()).filter(|&row| !keep[row]).collect();
+        assert_eq!(screen.spikes(), found.len());
+        found
+    }
 
     #[test]
     fn spikes_go_and_noise_stays() {
@@ -72,6 +252,15 @@ mod tests {
         values[17] += 30.0;
         values[500] -= 30.0;
         assert_eq!(spikes(&values, 20), [17, 500]);
+    }
+
+    /// A log that is longer than what is looked at ahead, in windows of which a part is looked at.
+    #[test]
+    fn spikes_go_from_long_logs() {
+        let mut values: Vec<f64> = white(2).take(60_000).collect();
+        let at = [3, 9_000, 17_000, 59_999];
+        at.iter().for_each(|&row| values[row] += 20.0);
+        assert_eq!(spikes(&values, 1000), at);
     }
 
     /// Few pulses among many intervals without any are the signal.

@@ -1,6 +1,7 @@
 //! Sudden and lasting changes of the bias.
 
-use crate::screen::{SIGMA_PER_MAD, median};
+use crate::screen::SIGMA_PER_MAD;
+use crate::thinned::median;
 
 /// Means over this long before and after are compared \[s\] ...
 const LASTING_S: f64 = 1200.0;

@@ -1,0 +1,134 @@
+//! One channel of a log on its way into a digest: core, screen, grid.
+
+use tempco::{Interval, Thermal, ThermalState};
+
+use crate::digest::block::Rows;
+use crate::digest::grid::{Grid, MOST_BLOCKS};
+use crate::digest::{ChannelDigest, Plan};
+use crate::regress::is_usable;
+use crate::screen::{SpikeScreen, window_rows};
+
+/// Runs the rows of a channel through the core and the screen into blocks.
+pub(super) struct ChannelDigester<'a> {
+    plan: &'a Plan,
+    state: ThermalState,
+    interval: Interval,
+    interval_s: f32,
+    last_s: f64,
+    window: Rows,
+    window_rows: usize,
+    screen: Option<SpikeScreen>,
+    grid: Grid,
+    unusable_rows: usize,
+    excluded_rows: usize,
+}
+
+impl<'a> ChannelDigester<'a> {
+    /// Starts as firmware does after power-on, at the first temperature.
+    pub(super) fn new(
+        plan: &'a Plan,
+        axes: usize,
+        (first_s, interval_s): (f64, f64),
+        first_c: f32,
+    ) -> Self {
+        let thermal = &plan.thermal;
+        let window_rows = window_rows(interval_s);
+        let mut state = ThermalState::new(thermal);
+        state.start(thermal, first_c);
+        Self {
+            plan,
+            state,
+            interval: Interval::new(thermal, interval_s as f32),
+            interval_s: interval_s as f32,
+            last_s: first_s - interval_s,
+            window: Rows::with_capacity(axes, window_rows),
+            window_rows,
+            screen: plan.robust.then(|| SpikeScreen::new(axes)),
+            grid: Grid::new(axes, first_s - 0.5 * interval_s, plan.block_s, MOST_BLOCKS),
+            unusable_rows: 0,
+            excluded_rows: 0,
+        }
+    }
+
+    /// Takes in the next rows.
+    pub(super) fn take(&mut self, time_s: &[f64], temp_c: &[f32], axes: &[&[f64]]) {
+        let mut start = 0;
+        while start < time_s.len() {
+            let room = self.window_rows - self.window.len();
+            let end = time_s.len().min(start + room);
+            self.run(&time_s[start..end], &temp_c[start..end]);
+            for (to, from) in self.window.axes.iter_mut().zip(axes) {
+                to.extend_from_slice(&from[start..end]);
+            }
+            if self.window.len() == self.window_rows {
+                self.close_window();
+            }
+            start = end;
+        }
+    }
+
+    /// Runs the core over some rows.
+    fn run(&mut self, time_s: &[f64], temp_c: &[f32]) {
+        let thermal: &Thermal = &self.plan.thermal;
+        let rows = &mut self.window;
+        rows.time_s.extend_from_slice(time_s);
+        rows.temp_c.extend_from_slice(temp_c);
+        for (&time_s, &temp_c) in time_s.iter().zip(temp_c) {
+            let interval_s = (time_s - self.last_s) as f32;
+            self.last_s = time_s;
+            if interval_s != self.interval_s {
+                self.interval = Interval::new(thermal, interval_s);
+                self.interval_s = interval_s;
+            }
+            let point = self.state.update(thermal, &self.interval, temp_c);
+            rows.effective_c.push(point.effective_c);
+            rows.rate.push(point.rate_c_per_min);
+            let usable = is_usable(&point);
+            rows.believed.push(usable);
+            self.unusable_rows += usize::from(!usable);
+        }
+        rows.keep
+            .extend_from_slice(&rows.believed[rows.keep.len()..]);
+        for stretch in &self.plan.exclude {
+            let first = rows.time_s.len() - time_s.len();
+            for (time_s, keep) in rows.time_s[first..].iter().zip(&mut rows.keep[first..]) {
+                let excluded = *keep && (stretch.from_s..=stretch.to_s).contains(time_s);
+                self.excluded_rows += usize::from(excluded);
+                *keep &= !excluded;
+            }
+        }
+    }
+
+    fn close_window(&mut self) {
+        let next = Rows::with_capacity(self.window.axes.len(), self.window_rows);
+        let window = std::mem::replace(&mut self.window, next);
+        match &mut self.screen {
+            Some(screen) => screen.take(window, &mut |rows| self.grid.take(rows)),
+            None => self.grid.take(&window),
+        }
+    }
+
+    /// The digest, without names.
+    pub(super) fn finish(mut self) -> ChannelDigest {
+        self.close_window();
+        let mut white_sigmas = vec![0.0; self.window.axes.len()];
+        let mut spike_rows = 0;
+        if let Some(screen) = &mut self.screen {
+            screen.finish(&mut |rows| self.grid.take(rows));
+            white_sigmas = screen.white_sigmas();
+            spike_rows = screen.spikes();
+        }
+        let (blocks, samples, block_s) = self.grid.finish();
+        ChannelDigest {
+            column: String::new(),
+            axes: Vec::new(),
+            blocks,
+            samples,
+            block_s,
+            white_sigmas,
+            unusable_rows: self.unusable_rows,
+            excluded_rows: self.excluded_rows,
+            spike_rows,
+        }
+    }
+}

@@ -1,0 +1,166 @@
+//! Digests whole logs: from a file as it is read, or from memory.
+
+use std::path::Path;
+
+use crate::digest::channel::ChannelDigester;
+use crate::digest::{AxisName, ChannelDigest, LogDigest, Plan};
+use crate::log::{Chunk, Intervals, Log, LogError, LogStream, ReadOptions};
+
+/// Rows from which the interval is taken that the core's first step and the grid start with.
+const FIRST_ROWS: usize = 4096;
+
+/// Digests the log at `path` in one pass, in memory that does not depend on its length, telling
+/// `observer` from time to time how many more bytes of the file were read.
+///
+/// # Errors
+/// Those of [`read_log`](crate::log::read_log).
+pub fn digest_file(
+    path: &Path,
+    options: &ReadOptions,
+    plan: &Plan,
+    mut observer: impl FnMut(u64),
+) -> Result<LogDigest, LogError> {
+    let mut stream = LogStream::open(path, options)?;
+    let (mut told, mut rows) = (0, 0);
+    let mut intervals = Intervals::new();
+    let mut first = stream.empty_chunk();
+    let mut digester: Option<LogDigester> = None;
+    let (mut first_s, mut last_s) = (0.0, 0.0);
+    while let Some(chunk) = stream.next_chunk()? {
+        intervals.take(&chunk.time_s);
+        if let (0, Some(&time_s)) = (rows, chunk.time_s.first()) {
+            first_s = time_s;
+        }
+        last_s = chunk.time_s.last().copied().unwrap_or(last_s);
+        rows += chunk.rows();
+        match &mut digester {
+            Some(digester) => digester.take_chunk(&chunk),
+            None => {
+                first.append(&chunk);
+                if first.rows() >= FIRST_ROWS {
+                    digester = Some(LogDigester::start(plan, &stream, &first));
+                }
+            }
+        }
+        let bytes = stream.bytes_read();
+        observer(bytes - told);
+        told = bytes;
+    }
+    if rows < 2 {
+        return Err(LogError::too_few_rows(path, rows));
+    }
+    let digester = digester.unwrap_or_else(|| LogDigester::start(plan, &stream, &first));
+    let interval_s = intervals.median_s();
+    let mut channels = digester.finish();
+    for (columns, channel) in stream.channels().iter().zip(&mut channels) {
+        channel.column.clone_from(&stream.header()[columns.temp]);
+        for (axis, (_, column)) in columns.axes.iter().enumerate() {
+            let (factor, unit) = column.unit.in_axis_unit(interval_s, options.scale_factor_arcsec);
+            channel.scale(axis, factor);
+            channel.axes.push(AxisName {
+                name: column.name.clone(),
+                unit,
+            });
+        }
+    }
+    Ok(LogDigest {
+        plan: plan.clone(),
+        file: path
+            .file_name()
+            .unwrap_or_default()
+            .to_string_lossy()
+            .into(),
+        sha256: stream.sha256().unwrap_or_default().to_owned(),
+        rows,
+        skipped_rows: stream.skipped_rows(),
+        interval_s,
+        duration_s: last_s - first_s,
+        ignored_columns: stream.ignored().to_vec(),
+        channels,
+    })
+}
+
+/// Digests a log that was read.
+///
+/// # Panics
+/// If the log has no row.
+pub fn digest_log(log: &Log, plan: &Plan) -> LogDigest {
+    let (first_s, last_s) = (log.time_s[0], log.time_s[log.rows() - 1]);
+    let channels = log.channels.iter().map(|channel| {
+        let start = (first_s, log.interval_s);
+        let axes: Vec<&[f64]> = channel.axes.iter().map(|axis| &axis.raw[..]).collect();
+        let mut digester = ChannelDigester::new(plan, axes.len(), start, channel.temp_c[0]);
+        digester.take(&log.time_s, &channel.temp_c, &axes);
+        let names = channel.axes.iter().map(|axis| AxisName {
+            name: axis.name.clone(),
+            unit: axis.unit,
+        });
+        ChannelDigest {
+            column: channel.column.clone(),
+            axes: names.collect(),
+            ..digester.finish()
+        }
+    });
+    LogDigest {
+        plan: plan.clone(),
+        file: log.file.clone(),
+        sha256: log.sha256.clone(),
+        rows: log.rows(),
+        skipped_rows: log.skipped_rows,
+        interval_s: log.interval_s,
+        duration_s: last_s - first_s,
+        ignored_columns: log.ignored_columns.clone(),
+        channels: channels.collect(),
+    }
+}
+
+/// All channels of a stream.
+struct LogDigester<'a> {
+    channels: Vec<(ChannelDigester<'a>, std::ops::Range<usize>)>,
+}
+
+impl<'a> LogDigester<'a> {
+    /// Starts with the first rows, of which there is one at least.
+    fn start(plan: &'a Plan, stream: &LogStream, first: &Chunk) -> Self {
+        let mut intervals = Intervals::new();
+        intervals.take(&first.time_s);
+        let start = (first.time_s[0], intervals.median_s());
+        let mut axis = 0;
+        let channels = stream.channels().iter().zip(&first.temps_c);
+        let channels = channels.map(|(columns, temp_c)| {
+            let axes = axis..axis + columns.axes.len();
+            axis = axes.end;
+            let digester = ChannelDigester::new(plan, axes.len(), start, temp_c[0]);
+            (digester, axes)
+        });
+        let mut digester = Self {
+            channels: channels.collect(),
+        };
+        digester.take_chunk(first);
+        digester
+    }
+
+    fn take_chunk(&mut self, chunk: &Chunk) {
+        for ((channel, axes), temp_c) in self.channels.iter_mut().zip(&chunk.temps_c) {
+            let axes: Vec<&[f64]> = chunk.axes[axes.clone()].iter().map(|a| &a[..]).collect();
+            channel.take(&chunk.time_s, temp_c, &axes);
+        }
+    }
+
+    fn finish(self) -> Vec<ChannelDigest> {
+        let channels = self.channels.into_iter();
+        channels.map(|(channel, _)| channel.finish()).collect()
+    }
+}
+
+impl ChannelDigest {
+    /// Multiplies the values of an axis.
+    fn scale(&mut self, axis: usize, factor: f64) {
+        for block in &mut self.blocks {
+            let spread = &mut block.moments.axes[axis];
+            spread.mean *= factor;
+            spread.squares *= factor * factor;
+        }
+        self.white_sigmas[axis] *= factor;
+    }
+}

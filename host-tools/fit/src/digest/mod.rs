@@ -1,0 +1,153 @@
+//! Logs reduced to a fixed size in one pass: all that a fit needs of them.
+//!
+//! ```text
+//! rows -> core -> screen (excluded, unusable, spikes) -+-> blocks of 10 s: moments of regressors and axes
+//!                                                      +-> samples of 1 s: mean temperatures
+//! ```
+//!
+//! A digest holds 16,384 blocks at most, 45 h of 10 s each. With a
+//! longer log, neighbours merge whenever there are more, and blocks and samples get twice as long:
+//! memory does not depend on the length of the log.
+//!
+//! The blocks hold the regressors that the core computed row by row. For the settings that a fit
+//! tries later, the core runs over the samples (`ChannelDigest::points`).
+
+mod block;
+mod channel;
+mod grid;
+mod log;
+#[cfg(test)]
+mod tests;
+
+pub(crate) use block::{Extremes, Moments, Rows};
+pub(crate) use grid::Block;
+use grid::Sample;
+pub use log::{digest_file, digest_log};
+
+use tempco::{Interval, Thermal, ThermalPoint, ThermalState};
+
+use crate::screen::Stretch;
+use crate::unit::AxisUnit;
+
+/// What must be known before a log is digested; see [`FitOptions::plan`](crate::fit::FitOptions::plan).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plan {
+    /// Settings of the thermal path, with limits that no rate reaches.
+    pub(crate) thermal: Thermal,
+    pub(crate) exclude: Vec<Stretch>,
+    /// Whether spikes are left out.
+    pub(crate) robust: bool,
+    /// Length of a block, as long as the log is not too long \[s\].
+    pub(crate) block_s: f64,
+}
+
+/// A digested log.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LogDigest {
+    pub(crate) plan: Plan,
+    pub(crate) file: String,
+    pub(crate) sha256: String,
+    pub(crate) rows: usize,
+    pub(crate) skipped_rows: usize,
+    pub(crate) interval_s: f64,
+    pub(crate) duration_s: f64,
+    pub(crate) ignored_columns: Vec<String>,
+    pub(crate) channels: Vec<ChannelDigest>,
+}
+
+impl LogDigest {
+    /// Name of the file, without its folders.
+    pub fn file(&self) -> &str {
+        &self.file
+    }
+
+    /// Columns that were neither mapped nor recognised.
+    pub fn ignored_columns(&self) -> &[String] {
+        &self.ignored_columns
+    }
+
+    /// Rows left out on reading because skipping bad rows was asked for.
+    pub fn skipped_rows(&self) -> usize {
+        self.skipped_rows
+    }
+}
+
+/// A digested temperature with its axes.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct ChannelDigest {
+    /// Name of the temperature column.
+    pub(crate) column: String,
+    pub(crate) axes: Vec<AxisName>,
+    pub(crate) blocks: Vec<Block>,
+    samples: Vec<Sample>,
+    /// Length of a block \[s\].
+    pub(crate) block_s: f64,
+    /// For each axis the standard deviation of its rows' white noise \[unit of the axis\]; 0 if
+    /// spikes were not looked for.
+    pub(crate) white_sigmas: Vec<f64>,
+    /// Rows whose temperature or interval was not believed.
+    pub(crate) unusable_rows: usize,
+    /// Rows in excluded stretches.
+    pub(crate) excluded_rows: usize,
+    pub(crate) spike_rows: usize,
+}
+
+/// An axis as it is called in the log.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct AxisName {
+    pub(crate) name: String,
+    pub(crate) unit: AxisUnit,
+}
+
+/// The core's point at a sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct SamplePoint {
+    /// Effective temperature and rate, taken at the sample's time, and the status.
+    pub(crate) point: ThermalPoint,
+    /// Rows that may enter a fit.
+    pub(crate) kept: f64,
+}
+
+impl ChannelDigest {
+    /// Runs the core over the samples, as if each were a row: what the channel's effective
+    /// temperature and rate are under other settings than those of the plan.
+    ///
+    /// The core's rate is a mean over the interval before a row. A sample stands for many rows, and
+    /// its interval is longer than theirs, by which its rate would be late; the rate is taken so
+    /// much later, between this sample's and the next one's. Where a sample is one row, it is
+    /// exactly the core's.
+    pub(crate) fn points(&self, thermal: &Thermal) -> Vec<SamplePoint> {
+        let Some(first) = self.samples.first() else {
+            return Vec::new();
+        };
+        let mut state = ThermalState::new(thermal);
+        state.start(thermal, first.temp_c);
+        let mut last_s = first.time_s - self.sample_s();
+        let mut points: Vec<SamplePoint> = Vec::with_capacity(self.samples.len());
+        let mut late = 0.0;
+        for sample in &self.samples {
+            let interval_s = sample.time_s - last_s;
+            last_s = sample.time_s;
+            let interval = Interval::new(thermal, interval_s as f32);
+            let point = state.update(thermal, &interval, sample.temp_c);
+            if let Some(before) = points.last_mut() {
+                let rise = point.rate_c_per_min - before.point.rate_c_per_min;
+                let later = (late / interval_s).min(0.5) as f32 * rise;
+                before.point.rate_c_per_min += later;
+                let shift_min = thermal.settings().kappa * thermal.settings().tau_s / 60.0;
+                before.point.effective_c -= shift_min * later;
+            }
+            late = 0.5 * interval_s * (1.0 - 1.0 / f64::from(sample.rows));
+            points.push(SamplePoint {
+                point,
+                kept: sample.kept.into(),
+            });
+        }
+        points
+    }
+
+    /// Length of a sample \[s\].
+    fn sample_s(&self) -> f64 {
+        self.block_s / f64::from(grid::SAMPLES_PER_BLOCK)
+    }
+}
