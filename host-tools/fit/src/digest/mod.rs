@@ -102,7 +102,6 @@ pub(crate) struct AxisName {
 /// The core's point at a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct SamplePoint {
-    /// Effective temperature and rate, taken at the sample's time, and the status.
     pub(crate) point: ThermalPoint,
     /// Rows that may enter a fit.
     pub(crate) kept: f64,
@@ -112,10 +111,8 @@ impl ChannelDigest {
     /// Runs the core over the samples, as if each were a row: what the channel's effective
     /// temperature and rate are under other settings than those of the plan.
     ///
-    /// The core's rate is a mean over the interval before a row. A sample stands for many rows, and
-    /// its interval is longer than theirs, by which its rate would be late; the rate is taken so
-    /// much later, between this sample's and the next one's. Where a sample is one row, it is
-    /// exactly the core's.
+    /// The delay of the core's rate is its time constant, whatever the interval, so that samples
+    /// of many rows give the rates of these. Where a sample is one row, they are exactly the core's.
     pub(crate) fn points(&self, thermal: &Thermal) -> Vec<SamplePoint> {
         let Some(first) = self.samples.first() else {
             return Vec::new();
@@ -123,27 +120,15 @@ impl ChannelDigest {
         let mut state = ThermalState::new(thermal);
         state.start(thermal, first.temp_c);
         let mut last_s = first.time_s - self.sample_s();
-        let mut points: Vec<SamplePoint> = Vec::with_capacity(self.samples.len());
-        let mut late = 0.0;
-        for sample in &self.samples {
-            let interval_s = sample.time_s - last_s;
+        let point = |sample: &Sample| {
+            let interval = Interval::new(thermal, (sample.time_s - last_s) as f32);
             last_s = sample.time_s;
-            let interval = Interval::new(thermal, interval_s as f32);
-            let point = state.update(thermal, &interval, sample.temp_c);
-            if let Some(before) = points.last_mut() {
-                let rise = point.rate_c_per_min - before.point.rate_c_per_min;
-                let later = (late / interval_s).min(0.5) as f32 * rise;
-                before.point.rate_c_per_min += later;
-                let shift_min = thermal.settings().kappa * thermal.settings().tau_s / 60.0;
-                before.point.effective_c -= shift_min * later;
-            }
-            late = 0.5 * interval_s * (1.0 - 1.0 / f64::from(sample.rows));
-            points.push(SamplePoint {
-                point,
+            SamplePoint {
+                point: state.update(thermal, &interval, sample.temp_c),
                 kept: sample.kept.into(),
-            });
-        }
-        points
+            }
+        };
+        self.samples.iter().map(point).collect()
     }
 
     /// Length of a sample \[s\].

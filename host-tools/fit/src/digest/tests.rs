@@ -201,6 +201,9 @@ fn digests_of_files_are_fitted_like_the_logs() {
 /// those on rows. Stated in `docs/mathematics.md`.
 const ALLOWED_SHARE: f64 = 0.01;
 
+/// The largest root mean square by which the rates differ \[degC/min\].
+const ALLOWED_RATE: f64 = 1e-4;
+
 /// Least squares in the regressors that the core gives at the samples, beside those that it gives
 /// row by row, on the same blocks.
 #[test]
@@ -221,6 +224,7 @@ fn regressors_from_samples_are_as_good_as_those_from_rows() {
             .of(0)
             .points(&with_every_rate(options.thermal).unwrap());
         let [mut of_rows, mut of_samples] = [(); 2].map(|()| RFactor::new(5, 3));
+        let mut rate_squares = 0.0;
         for (_, _, block) in data.blocks() {
             let moments = &block.moments;
             let within = || moments.axes.iter().map(|axis| axis.squares);
@@ -240,6 +244,7 @@ fn regressors_from_samples_are_as_good_as_those_from_rows() {
                 }
             }
             of_samples.push_mean(moments.rows, row.into_iter().chain(raw()), within());
+            rate_squares += (row[3] - moments.rate).powi(2);
         }
         let [rows, samples] = [of_rows, of_samples].map(|mut factor| factor.solve(5).unwrap());
         let mut worst = 0.0_f64;
@@ -249,8 +254,9 @@ fn regressors_from_samples_are_as_good_as_those_from_rows() {
                 worst = worst.max(apart.abs() / rows.sigmas[axis][term]);
             }
         }
-        println!("tau {tau_s} s, kappa {kappa}: {worst:.4} sigma");
-        assert!(worst < ALLOWED_SHARE);
+        let rate = (rate_squares / data.blocks().count() as f64).sqrt();
+        println!("tau {tau_s} s, kappa {kappa}: {worst:.4} sigma, {rate:.1e} degC/min");
+        assert!(worst < ALLOWED_SHARE && rate < ALLOWED_RATE);
     }
 }
 
