@@ -1,5 +1,7 @@
 //! The time between two thermal updates, turned into the factors the estimator needs.
 
+use core::hint::select_unpredictable;
+
 use crate::sign::magnitude;
 use crate::{Status, Thermal};
 
@@ -9,6 +11,9 @@ pub(crate) const TICKS_PER_S: f32 = 1e5;
 
 /// A temperature near 150 degC has a last place of 1.5e-5 degC; a smaller step would vanish.
 const LEAST_SLEW_C: f32 = 2e-5;
+
+/// Stands for every interval that is too long: longer than any time constant.
+const GAP_S: f32 = 1e9;
 
 /// The time since the last thermal update, with the filter factors that follow from it.
 ///
@@ -26,6 +31,8 @@ pub struct Interval {
     pub(crate) ticks: i32,
     /// A change up to this is noise and movement of one interval \[bits of degC\].
     pub(crate) near: i32,
+    /// The time \[s\], or [`GAP_S`].
+    pub(crate) dt_s: f32,
     pub(crate) alpha: f32,
     /// Rate of temperature per degree of lag \[1/min\].
     pub(crate) rate_gain_per_min: f32,
@@ -63,6 +70,7 @@ impl Interval {
         Self {
             // The conversion saturates.
             ticks: (real_s * TICKS_PER_S + 0.5) as i32,
+            dt_s: if gap { GAP_S } else { dt_s },
             alpha: if gap { 1.0 } else { x * alpha_per_x },
             rate_gain_per_min: if gap {
                 0.0
@@ -75,6 +83,16 @@ impl Interval {
             status: Status::INTERVAL_INVALID.when(gap | !forward),
         }
     }
+}
+
+/// `1 - exp(-dt / tau)` for a time constant no shorter than the one the interval was made for: 1 after a gap,
+/// else by `x (1 - x/2 (1 - x/3))` with `x = dt / tau`, whose relative error is below 6e-3 at the
+/// limit `x = 1/2` and below 5e-5 for `x <= 1/10`.
+#[inline(always)]
+pub(crate) fn slower_alpha(interval: &Interval, per_tau_hz: f32) -> f32 {
+    let x = interval.dt_s * per_tau_hz;
+    let alpha = x * (1.0 - x * (1.0 / 2.0) * (1.0 - x * (1.0 / 3.0)));
+    select_unpredictable(x > 0.5, 1.0, alpha)
 }
 
 #[cfg(test)]

@@ -65,6 +65,7 @@
 mod compensator;
 mod conditioner;
 mod estimator;
+mod history;
 mod interval;
 mod sign;
 mod status;
@@ -76,6 +77,7 @@ mod two_rate;
 extern crate std;
 
 pub use compensator::{Compensator, Output};
+pub use history::{History, HistoryPoint, HistoryState, Play, SlowPart};
 pub use interval::Interval;
 pub use status::{Status, Validity};
 pub use table::{MAX_CELLS, Place, Table, TableError, Terms};
