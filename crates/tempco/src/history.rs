@@ -2,6 +2,12 @@
 //!
 //! A table has none of them unless its set earned them, and without them they cost nothing: no
 //! state, no instruction.
+//!
+//! They follow the effective temperature, faults and all: while it ramps to the reference because
+//! the temperature was lost, so do the contact and, in its time, the slow part. Each term is
+//! bounded by its gain and its half width or limit, and moves no faster than the effective
+//! temperature, so that neither a fault nor a return makes a step; after an interval of more than
+//! half its time constant a lag begins anew at zero.
 
 use core::hint::select_unpredictable;
 
@@ -18,7 +24,8 @@ use crate::table::{MAX_COEFFICIENT, TableError, is_within};
 /// B += gain (u - c)
 /// ```
 ///
-/// It does not depend on how fast the temperature moves (play operator; Prandtl, Krasnosel'skii).
+/// The bias then runs through a loop that is `2 w gain` high, whether the temperature cycles fast or
+/// slowly (play operator; Prandtl, Krasnosel'skii).
 /// After power-on the contact is taken to be where the temperature is: the term fades in over the
 /// first `2 w` of movement.
 #[derive(Clone, Copy, Debug, PartialEq)]
