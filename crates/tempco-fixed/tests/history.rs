@@ -87,12 +87,12 @@ fn the_terms_are_within_their_share_of_the_bound() {
             assert!(f32_error.abs() < 3e-4, "{f32_error} at {i}");
         }
     }
-    for axis in 0..2 {
+    for (axis, worst) in worst.into_iter().enumerate() {
         let unit = f64::from(FIXED.exponents()[axis]).exp2();
         let gains = f64::from(PLAY.gain[axis].abs() + SLOW.gain[axis].abs());
         // With what f64 loses in the sum of 40 000 steps.
         let bound = 2.5 * unit + 2.0 * gains / 1_048_576.0 + 1e-12;
-        assert!(worst[axis] <= bound, "{} of {bound}", worst[axis]);
+        assert!(worst <= bound, "{worst} of {bound}");
         let plain = FixedTable::<2, COUNT>::with_exponents(&F32_TABLE, *FIXED.exponents());
         let more = FIXED.error_bounds()[axis] - plain.unwrap().error_bounds()[axis];
         assert!((more / (bound - 1e-12) - 1.0).abs() < 1e-6, "{more}");

@@ -222,3 +222,42 @@ const fn are_usable<const N: usize>(values: &[f32; N]) -> bool {
     }
     true
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Thermal, ThermalSettings};
+
+    /// One step of each kind by hand.
+    #[test]
+    fn the_contact_and_the_slow_part_follow() {
+        let thermal = Thermal::new(ThermalSettings::DEFAULT).unwrap();
+        let interval = Interval::new(&thermal, 25.0);
+        let play = Play {
+            half_width_c: 2.0,
+            gain: [0.5],
+        };
+        let part = SlowPart {
+            tau_s: 100.0,
+            limit_c: 3.0,
+            gain: [-1.0],
+        };
+        let history = History::new(60.0, [play], [part]).unwrap();
+        let mut state = HistoryState::new(10.0);
+        // The series at a quarter of the time constant.
+        let alpha = 0.25 * (1.0 - 0.125 * (1.0 - 0.25 / 3.0));
+        let mut slow = 10.0;
+        for (effective_c, contact_c) in [(11.5, 10.0), (14.0, 12.0), (11.0, 12.0), (9.0, 11.0)] {
+            let point = state.update(&history, &interval, effective_c);
+            assert_eq!(state.contacts_c, [contact_c]);
+            assert_eq!(point.plays_c, [effective_c - contact_c]);
+            slow += alpha * (effective_c - slow);
+            assert!((point.lags_c[0] - (effective_c - slow)).abs() < 1e-6);
+            let mut bias = [100.0];
+            history.add(&point, &mut bias);
+            let added = 0.5 * point.plays_c[0] - point.lags_c[0];
+            assert!((bias[0] - 100.0 - added).abs() < 1e-5);
+        }
+        assert_eq!(state.update(&history, &interval, 80.0).lags_c, [3.0]);
+    }
+}
