@@ -1,36 +1,84 @@
 //! Estimates the rate of temperature, causally and without stagnation.
 
+use core::hint::select_unpredictable;
+
 use crate::interval::Interval;
 use crate::sign::Sign;
+use crate::thermal::Thermal;
+
+/// A first-order low-pass filter.
+///
+/// Its value is kept as a sum of two f32. With one, the increments of a slow ramp vanish below its
+/// last place: at 1 kHz, 60 s and 70 degC a ramp of 0.02 degC/min reads 0.1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub(crate) struct Filter {
+    value: f32,
+    /// What rounding left out of `value`.
+    remainder: f32,
+}
+
+impl Filter {
+    /// A filter of what has been like this for long.
+    pub(crate) const fn new(value: f32) -> Self {
+        Self {
+            value,
+            remainder: 0.0,
+        }
+    }
+
+    /// Takes an input and returns how far the filter lagged behind it: `d = input - L`, then
+    /// `L += alpha d`.
+    #[inline(always)]
+    pub(crate) fn lag(&mut self, alpha: f32, input: f32) -> f32 {
+        let value = self.value;
+        let lag = (input - value) - self.remainder;
+        let increment = alpha * lag + self.remainder;
+        self.value = value + increment;
+        self.remainder = increment - (self.value - value);
+        lag
+    }
+}
 
 /// First-order rate estimator: the lag of a filtered temperature behind the temperature.
 ///
 /// ```text
 /// d  = T - L              lag before this sample is taken in
 /// L += alpha d
-/// T' = d alpha / dt
+/// s += alpha (1 - s)      share of the filter's memory since the start, 1 - exp(-t / tau)
+/// T' = d alpha / dt / max(s, 60 s / tau)
 /// ```
 ///
 /// On a steady ramp `d` settles at `rate * dt / alpha`, so `T'` is exact for every constant `dt`. After
 /// the onset of a ramp it approaches as `1 - exp(-t / tau)`: the delay is `tau`. White noise of
-/// standard deviation `s` on the temperature gives `s / tau` on the rate (0.018 degC/min for
+/// standard deviation `sigma` on the temperature gives `sigma / tau` on the rate (0.018 degC/min for
 /// a 0.0625 degC step and 60 s).
 ///
-/// The filtered temperature is kept as a sum of two f32. With one, the increments of a slow ramp
-/// vanish below its last place: at 1 kHz, 60 s and 70 degC a ramp of 0.02 degC/min reads 0.1.
+/// After power-on the filter has seen nothing but the time since, and a part may well be in the
+/// middle of a ramp: dividing by `s` makes the rate exact for a ramp that lasts since before the
+/// start. It is from then on a mean over the time since the start, which is why it is not trusted
+/// with less than 60 s: in the first minute the rate fades in, and the noise is never more than
+/// that of a filter of 60 s. Time constants up to that are not affected.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct RateEstimator {
-    filtered_c: f32,
-    /// What rounding left out of `filtered_c` \[degC\].
-    remainder_c: f32,
+    /// `L` \[degC\].
+    filtered: Filter,
+    /// `s`: a filter, too, of a step from 0 to 1.
+    memory: Filter,
+    /// `1 / max(s, 60 s / tau)`, by a step of Newton's method per update, which needs no division.
+    /// What `s` moves in an update, `dt / t` of it at most, enters squared: `t` after the start the
+    /// gain is short of the reciprocal by `(dt / t)^2`, 3e-4 after a minute of updates a second
+    /// apart.
+    gain: f32,
 }
 
 impl RateEstimator {
-    pub(crate) const fn new(temp_c: f32) -> Self {
+    pub(crate) const fn new(thermal: &Thermal, temp_c: f32) -> Self {
         Self {
-            filtered_c: temp_c,
-            remainder_c: 0.0,
+            filtered: Filter::new(temp_c),
+            memory: Filter::new(0.0),
+            gain: 1.0 / thermal.least_memory,
         }
     }
 
@@ -41,18 +89,28 @@ impl RateEstimator {
     #[inline(always)]
     pub(crate) fn update(
         &mut self,
+        thermal: &Thermal,
         interval: &Interval,
         temp_c: f32,
         change_c: f32,
         moved: Sign,
     ) -> f32 {
-        let filtered_c = moved.select(self.filtered_c, self.filtered_c + change_c);
-        let lag_c = (temp_c - filtered_c) - self.remainder_c;
-        let increment_c = interval.alpha * lag_c + self.remainder_c;
-        self.filtered_c = filtered_c + increment_c;
-        self.remainder_c = increment_c - (self.filtered_c - filtered_c);
-        lag_c * interval.rate_gain_per_min
+        let filtered_c = self.filtered.value;
+        self.filtered.value = moved.select(filtered_c, filtered_c + change_c);
+        let lag_c = self.filtered.lag(interval.alpha, temp_c);
+
+        self.memory.lag(interval.alpha, 1.0);
+        let memory = at_least(self.memory.value, thermal.least_memory);
+        // From below, Newton's method always converges; a step from far above would leave the
+        // positive numbers.
+        self.gain = at_least(self.gain * (2.0 - memory * self.gain), 1.0);
+        lag_c * interval.rate_gain_per_min * self.gain
     }
+}
+
+#[inline(always)]
+fn at_least(value: f32, least: f32) -> f32 {
+    select_unpredictable(value > least, value, least)
 }
 
 #[cfg(test)]
@@ -66,11 +124,13 @@ mod tests {
     fn reference(thermal: &ThermalSettings, dt_s: f64, temps: impl Iterator<Item = f32>) -> f64 {
         let x = dt_s / f64::from(thermal.tau_s);
         let alpha = -(-x).exp_m1();
-        let (mut filtered, mut rate) = (None, 0.0);
+        let (mut filtered, mut memory, mut rate) = (None, 0.0, 0.0);
         for temp in temps.map(f64::from) {
             let lag = temp - filtered.unwrap_or(temp);
             filtered = Some(filtered.unwrap_or(temp) + alpha * lag);
-            rate = lag * alpha / dt_s * 60.0;
+            memory += alpha * (1.0 - memory);
+            let least = f64::min(60.0 / f64::from(thermal.tau_s), 1.0);
+            rate = lag * alpha / dt_s * 60.0 / f64::max(memory, least);
         }
         rate
     }
@@ -102,10 +162,10 @@ mod tests {
                                     (start + direction * ramp * minutes) as f32
                                 })
                             };
-                            let mut estimator = RateEstimator::new(start as f32);
+                            let mut estimator = RateEstimator::new(&thermal, start as f32);
                             let mut rate = 0.0;
                             for temp in temps() {
-                                rate = estimator.update(&interval, temp, 0.0, MOVED);
+                                rate = estimator.update(&thermal, &interval, temp, 0.0, MOVED);
                             }
                             let expected = reference(&settings, f64::from(dt_s), temps());
                             let error = (f64::from(rate) - expected).abs();
@@ -127,11 +187,43 @@ mod tests {
 
     #[test]
     fn a_shift_is_not_differentiated() {
-        let interval = Interval::new(&Thermal::new(ThermalSettings::DEFAULT).unwrap(), 1.0);
-        let mut estimator = RateEstimator::new(-40.0);
-        assert!(estimator.update(&interval, 20.0, 60.0, MOVED) > 50.0);
-        let mut estimator = RateEstimator::new(-40.0);
-        assert_eq!(estimator.update(&interval, 20.0, 60.0, !MOVED), 0.0);
-        assert_eq!(estimator.update(&interval, 20.0, 60.0, MOVED), 0.0);
+        let thermal = Thermal::new(ThermalSettings::DEFAULT).unwrap();
+        let interval = Interval::new(&thermal, 1.0);
+        let mut estimator = RateEstimator::new(&thermal, -40.0);
+        assert!(estimator.update(&thermal, &interval, 20.0, 60.0, MOVED) > 50.0);
+        let mut estimator = RateEstimator::new(&thermal, -40.0);
+        let mut rate = |moved| estimator.update(&thermal, &interval, 20.0, 60.0, moved);
+        assert_eq!(rate(!MOVED), 0.0);
+        assert_eq!(rate(MOVED), 0.0);
+    }
+
+    /// Newton's method by one step per update gets there whatever intervals come, in whatever
+    /// order, and is never out of bounds on the way.
+    #[test]
+    fn the_correction_of_the_start_dies_out_whatever_the_intervals() {
+        for tau_s in [0.1, 59.0, 600.0, 6000.0] {
+            let settings = ThermalSettings {
+                tau_s,
+                ..ThermalSettings::DEFAULT
+            };
+            let thermal = Thermal::new(settings).unwrap();
+            for first in [1e-5, 0.01, 0.1, 0.499, 0.5, 1e6] {
+                let mut estimator = RateEstimator::new(&thermal, 25.0);
+                let parts = [first, 1e-5, 0.5, 1e-5, first]
+                    .into_iter()
+                    .chain([0.1; 200]);
+                for part in parts {
+                    let interval = Interval::new(&thermal, part * tau_s);
+                    estimator.update(&thermal, &interval, 25.0, 0.0, MOVED);
+                    assert!((0.0..=1.0).contains(&estimator.memory.value));
+                    let most = 1.000_001 / thermal.least_memory;
+                    assert!(
+                        estimator.gain >= 1.0 && estimator.gain <= most,
+                        "{estimator:?}"
+                    );
+                }
+                assert!((estimator.gain - 1.0).abs() < 1e-5, "{estimator:?}");
+            }
+        }
     }
 }

@@ -2,6 +2,7 @@
 
 use core::fmt;
 
+use crate::history::{History, Play, SlowPart};
 use crate::thermal::clamp;
 use crate::{Status, Thermal, ThermalPoint};
 
@@ -10,7 +11,7 @@ pub const MAX_CELLS: usize = 1024;
 
 /// Largest magnitude of a coefficient \[unit of the axis\]. With the bounds on rates it keeps
 /// every intermediate result finite in f32.
-const MAX_COEFFICIENT: f32 = 1e20;
+pub(crate) const MAX_COEFFICIENT: f32 = 1e20;
 
 /// The coefficients of one axis in one cell, lowest power first.
 ///
@@ -58,8 +59,11 @@ impl Terms {
 /// The cells are borrowed: they can be a const in flash or a buffer on a host. A fit's segments,
 /// of whatever widths, are represented by cells of one width, which makes finding the cell one
 /// multiplication (and its cost independent of the temperature).
+///
+/// `PLAYS` hysteresis terms and `SLOW` second lags come on top where the set earned them
+/// ([`with_history`](Self::with_history)).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Table<'a, const AXES: usize> {
+pub struct Table<'a, const AXES: usize, const PLAYS: usize = 0, const SLOW: usize = 0> {
     thermal: Thermal,
     /// Cold edge of the first cell \[degC\].
     first_edge_c: f32,
@@ -69,6 +73,7 @@ pub struct Table<'a, const AXES: usize> {
     t_max_c: f32,
     cells: &'a [[Terms; AXES]],
     coldest: &'a [Terms; AXES],
+    history: History<AXES, PLAYS, SLOW>,
 }
 
 /// Where an effective temperature falls in a table.
@@ -134,9 +139,37 @@ impl<'a, const AXES: usize> Table<'a, AXES> {
             t_max_c: last_edge_c,
             cells,
             coldest,
+            history: History::NONE,
         })
     }
 
+    /// Adds terms of the thermal history.
+    ///
+    /// # Errors
+    /// Names the first figure that is not finite or out of its range.
+    pub const fn with_history<const PLAYS: usize, const SLOW: usize>(
+        self,
+        plays: [Play<AXES>; PLAYS],
+        slow_parts: [SlowPart<AXES>; SLOW],
+    ) -> Result<Table<'a, AXES, PLAYS, SLOW>, TableError> {
+        let history = match History::new(self.thermal.settings().tau_s, plays, slow_parts) {
+            Ok(history) => history,
+            Err(error) => return Err(error),
+        };
+        Ok(Table {
+            thermal: self.thermal,
+            first_edge_c: self.first_edge_c,
+            cells_per_c: self.cells_per_c,
+            t_min_c: self.t_min_c,
+            t_max_c: self.t_max_c,
+            cells: self.cells,
+            coldest: self.coldest,
+            history,
+        })
+    }
+}
+
+impl<'a, const AXES: usize, const PLAYS: usize, const SLOW: usize> Table<'a, AXES, PLAYS, SLOW> {
     /// Narrows the calibrated range to `t_min_c..=t_max_c` \[degC\]: where cells reach beyond the
     /// temperatures that were measured, they are not used.
     ///
@@ -187,6 +220,11 @@ impl<'a, const AXES: usize> Table<'a, AXES> {
         self.cells
     }
 
+    /// The terms of the thermal history.
+    pub const fn history(&self) -> &History<AXES, PLAYS, SLOW> {
+        &self.history
+    }
+
     /// Finds the cell of an effective temperature, which must not be NaN; outside the calibrated
     /// range, the cell of its nearest end.
     #[inline(always)]
@@ -207,7 +245,7 @@ impl<'a, const AXES: usize> Table<'a, AXES> {
     }
 
     /// The bias of every axis at a thermal point, none of whose figures may be NaN \[unit of each
-    /// axis\].
+    /// axis\]; without the terms of the thermal history.
     ///
     /// # Timing
     /// No branch depends on the data.

@@ -70,6 +70,9 @@ impl ThermalSettings {
 /// The longest time that is counted, with room to add to it \[s\].
 const LONGEST_TIMER_S: f32 = 2e4;
 
+/// A rate since the start is not trusted with less than this \[s\].
+const LEAST_MEMORY_S: f32 = 60.0;
+
 const fn ticks(time_s: f32) -> i32 {
     (time_s * TICKS_PER_S + 0.5) as i32
 }
@@ -94,6 +97,8 @@ pub struct Thermal {
     pub(crate) per_tau_hz: f32,
     /// Shift of the effective temperature per rate, `kappa tau` \[min\].
     pub(crate) shift_min: f32,
+    /// The least share of the estimator's memory that it divides by, `60 s / tau`, at most 1.
+    pub(crate) least_memory: f32,
 }
 
 impl Thermal {
@@ -134,6 +139,11 @@ impl Thermal {
             slew_c_per_tick: s.max_slew_c_per_min / (60.0 * TICKS_PER_S),
             per_tau_hz: 1.0 / s.tau_s,
             shift_min: s.kappa * s.tau_s / 60.0,
+            least_memory: if s.tau_s > LEAST_MEMORY_S {
+                LEAST_MEMORY_S / s.tau_s
+            } else {
+                1.0
+            },
             settings,
         })
     }
@@ -179,7 +189,7 @@ impl ThermalState {
         let reference_c = thermal.settings.reference_c;
         Self {
             conditioner: Conditioner::new(reference_c),
-            estimator: RateEstimator::new(reference_c),
+            estimator: RateEstimator::new(thermal, reference_c),
             effective_c: reference_c,
         }
     }
@@ -199,7 +209,7 @@ impl ThermalState {
             };
         };
         self.conditioner = conditioner;
-        self.estimator = RateEstimator::new(temp_c);
+        self.estimator = RateEstimator::new(thermal, temp_c);
         self.effective_c = temp_c;
         ThermalPoint {
             effective_c: temp_c,
@@ -220,6 +230,7 @@ impl ThermalState {
         let settings = &thermal.settings;
         let conditioned = self.conditioner.update(thermal, interval, temp_c);
         let rate = self.estimator.update(
+            thermal,
             interval,
             conditioned.temp_c,
             conditioned.change_c,

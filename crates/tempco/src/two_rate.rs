@@ -1,5 +1,6 @@
 //! The two-rate pair: thermal work at the temperature's slow rate, a subtraction at the gyro's.
 
+use crate::compensator::BiasState;
 use crate::sign::Sign;
 use crate::{Interval, Status, Table, ThermalPoint, ThermalState};
 
@@ -10,9 +11,10 @@ use crate::{Interval, Status, Table, ThermalPoint, ThermalState};
 /// is no step when an update comes; where an update is late the bias stays, and once it is late by
 /// a whole period [`Status::INTERVAL_INVALID`] says so.
 #[derive(Clone, Debug)]
-pub struct TwoRateCompensator<'t, const AXES: usize> {
-    table: &'t Table<'t, AXES>,
-    state: ThermalState,
+pub struct TwoRateCompensator<'t, const AXES: usize, const PLAYS: usize = 0, const SLOW: usize = 0>
+{
+    table: &'t Table<'t, AXES, PLAYS, SLOW>,
+    state: BiasState<PLAYS, SLOW>,
     /// The bias the ramp ends at.
     end: [f32; AXES],
     /// Change of the bias per gyro sample during the ramp.
@@ -25,12 +27,14 @@ pub struct TwoRateCompensator<'t, const AXES: usize> {
     status: Status,
 }
 
-impl<'t, const AXES: usize> TwoRateCompensator<'t, AXES> {
+impl<'t, const AXES: usize, const PLAYS: usize, const SLOW: usize>
+    TwoRateCompensator<'t, AXES, PLAYS, SLOW>
+{
     /// A compensator that has not seen a temperature: it applies the constant bias.
     ///
     /// `samples_per_update` is the number of gyro samples between two thermal updates, 1 to
     /// 65535 (0 counts as 1).
-    pub fn new(table: &'t Table<'t, AXES>, samples_per_update: u16) -> Self {
+    pub fn new(table: &'t Table<'t, AXES, PLAYS, SLOW>, samples_per_update: u16) -> Self {
         let samples = samples_per_update.max(1);
         let point = ThermalPoint {
             effective_c: table.thermal().settings().reference_c,
@@ -40,7 +44,7 @@ impl<'t, const AXES: usize> TwoRateCompensator<'t, AXES> {
         let (end, status) = table.bias(&point);
         Self {
             table,
-            state: ThermalState::new(table.thermal()),
+            state: BiasState::new(table),
             end,
             slope: [0.0; AXES],
             remaining: 0,
@@ -53,7 +57,7 @@ impl<'t, const AXES: usize> TwoRateCompensator<'t, AXES> {
 
     /// Starts at the first temperature after power-on \[degC\], without ramping to it.
     pub fn start(&mut self, temp_c: f32) {
-        self.point = self.state.start(self.table.thermal(), temp_c);
+        self.point = self.state.start(self.table, temp_c);
         (self.end, self.status) = self.table.bias(&self.point);
         self.remaining = 0;
     }
@@ -65,8 +69,7 @@ impl<'t, const AXES: usize> TwoRateCompensator<'t, AXES> {
     #[inline(always)]
     pub fn update(&mut self, interval: &Interval, temp_c: f32) -> ThermalPoint {
         let now = self.bias();
-        self.point = self.state.update(self.table.thermal(), interval, temp_c);
-        (self.end, self.status) = self.table.bias(&self.point);
+        (self.point, self.end, self.status) = self.state.update(self.table, interval, temp_c);
         self.slope =
             core::array::from_fn(|axis| (self.end[axis] - now[axis]) * self.updates_per_sample);
         self.remaining = self.samples_per_update;
@@ -107,6 +110,6 @@ impl<'t, const AXES: usize> TwoRateCompensator<'t, AXES> {
 
     /// The state of the thermal path, for its counters.
     pub const fn thermal_state(&self) -> &ThermalState {
-        &self.state
+        &self.state.thermal
     }
 }

@@ -45,11 +45,14 @@ fn the_delay_after_the_onset_of_a_ramp_is_the_time_constant() {
         for (dt_s, change_per_tau) in [(0.1, 1.0), (1.0, -5.0), (4.0, 0.5)] {
             let ramp = 60.0 / tau_s * change_per_tau;
             let count = (12.0 * tau_s / dt_s) as usize;
-            let temps = (0..=count).map(|i| 25.0 + ramp / 60.0 * dt_s * i as f64);
+            // A soak before it, as long, fills the filter's memory.
+            let ramp_steps = (0..2 * count).map(|i| i.saturating_sub(count - 1));
+            let temps = ramp_steps.map(|i| 25.0 + ramp / 60.0 * dt_s * i as f64);
             let missing = |rate: f64| 1.0 - rate / ramp;
             // The first half step belongs to the moment of the onset, where all is missing.
             let sum: f64 = rates(&with_tau(tau_s as f32), dt_s as f32, temps)
                 .into_iter()
+                .skip(count - 1)
                 .map(missing)
                 .sum();
             let delay_s = (sum + 0.5) * dt_s;
@@ -67,6 +70,29 @@ fn the_rate_approaches_a_new_ramp_as_an_exponential() {
     for (s, rate) in (1..).zip(rates(&THERMAL, 1.0, temps)) {
         let expected = 2.0 * -(-f64::from(s) / 60.0).exp_m1();
         assert!((rate - expected).abs() < 1e-3, "{rate} after {s} s");
+    }
+}
+
+/// Switched on in the middle of a ramp, a slow estimator knows it after a minute, not after three
+/// time constants, and the rate fades in until then.
+#[test]
+fn a_ramp_since_before_power_on_is_known_after_a_minute() {
+    for &(tau_s, dt_s) in first(
+        &[(600.0, 1.0), (2400.0, 1.0), (6000.0, 1.0), (61.0, 0.05)],
+        1,
+    ) {
+        let temps = (0..).map(|i| 25.0 - 2.0 / 60.0 * f64::from(dt_s) * f64::from(i));
+        let rates = rates(&with_tau(tau_s), dt_s, temps.take((600.0 / dt_s) as usize));
+        for (i, rate) in (1..).zip(rates) {
+            let tau_s = f64::from(tau_s);
+            let memory = -(-f64::from(dt_s) * f64::from(i) / tau_s).exp_m1();
+            let expected = -2.0 * (memory * tau_s / 60.0).min(1.0);
+            let error = (rate - expected).abs();
+            assert!(
+                error < 0.002,
+                "{rate} at step {i} of {dt_s} s, tau {tau_s} s"
+            );
+        }
     }
 }
 
