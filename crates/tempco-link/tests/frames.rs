@@ -5,9 +5,11 @@ mod common;
 use common::{Unit, ask, connected, feed, wire};
 use proptest::collection::vec;
 use proptest::prelude::*;
+use tempco_image::CRC;
 use tempco_link::{
     Axes, Bank, ChannelTelemetry, Decoder, FaultEntry, Frame, LinkError, MAX_AXES, MAX_CHUNK,
-    MAX_FAULTS, MAX_FRAME, Outcome, Refusal, Request, Response, Sample, Server, Telemetry,
+    MAX_FAULTS, MAX_FRAME, MAX_MESSAGE, Outcome, Refusal, Request, Response, Sample, Server,
+    Telemetry,
 };
 
 fn filled<T: Clone, const N: usize>(value: &T) -> heapless::Vec<T, N> {
@@ -199,6 +201,25 @@ fn every_damaged_bit_and_pair_of_bits_is_found() {
     }
     for len in 0..good.len() - 1 {
         assert_eq!(plain(&good[..len]), None, "{len} bytes");
+    }
+}
+
+/// A frame that is too long is not taken for what it begins with, though its CRC be right.
+#[test]
+fn long_frames_are_dropped_whole() {
+    let message = [7; MAX_MESSAGE];
+    let good = [&message[..], &CRC.checksum(&message).to_le_bytes()].concat();
+    for (more, taken) in [(0, true), (1, false), (300, false)] {
+        let plain = [&good[..], &vec![1; more]].concat();
+        let mut stuffed = [0; 1024];
+        let len = cobs::try_encode_including_sentinels(&plain, &mut stuffed).unwrap();
+        let mut decoder = Decoder::new();
+        let mut frames = 0;
+        for byte in &stuffed[..len] {
+            frames += usize::from(decoder.push(*byte).is_some());
+        }
+        assert_eq!(frames == 1, taken, "{more} more");
+        assert_eq!(decoder.counters().long == 1, !taken, "{more} more");
     }
 }
 
