@@ -160,6 +160,8 @@ mod tests {
             t_min_c: edges.0,
             t_max_c: edges.1,
             cells: vec![vec![terms]; count],
+            plays: Vec::new(),
+            slow_parts: Vec::new(),
         }
     }
 
@@ -181,7 +183,7 @@ mod tests {
             let table = table(terms, (first, first + span), count, rate);
             let bound = table.rounding_bound(0);
             let cells = table.terms::<1>(0);
-            let core = table.table(&cells).unwrap();
+            let core = table.five_term_table(&cells).unwrap();
             let effective_c = (first + span * at).min(table.t_max_c);
             let rate = rate * share;
             let place = core.place(effective_c);

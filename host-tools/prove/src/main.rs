@@ -113,7 +113,7 @@ fn example_table() -> Result<TableData> {
     };
     let terms = data.terms::<{ example::AXES }>(0);
     ensure!(
-        data.table(&terms)? == *table,
+        data.five_term_table(&terms)? == *table,
         "the example's edges are elsewhere"
     );
     Ok(data)

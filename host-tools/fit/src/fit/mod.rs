@@ -11,7 +11,7 @@ pub use error::FitError;
 use tempco::ThermalSettings;
 
 use crate::assemble;
-use crate::joint::{self, Blocks, Choice, Chosen, FixedLag, Question, RateForm};
+use crate::joint::{self, Blocks, Choice, Chosen, FixedLag, Question, RateForm, Spline};
 use crate::log::Log;
 use crate::regress::{ChannelData, is_usable, with_every_rate};
 use crate::screen::{Screening, Stretch, screen};
@@ -24,6 +24,16 @@ const LEAST_SPAN_C: f32 = 10.0;
 
 /// A rounding bound beyond this share of the compensated bias stability is remarked on.
 const LARGE_ROUNDING: f64 = 0.01;
+
+/// Terms of the thermal history beside the five of every segment, for splines.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum States {
+    /// None.
+    None,
+    /// Those that lower the error on soaks and ramps left out of the fit by more than one standard
+    /// error.
+    Auto,
+}
 
 /// What to fit.
 #[derive(Clone, Debug)]
@@ -44,6 +54,8 @@ pub struct FitOptions {
     pub rate_tau_s: Option<f32>,
     /// Shift of the effective temperature, if it is not to be fitted.
     pub kappa: Option<f32>,
+    /// Whether a spline may earn plays and a slow part.
+    pub states: States,
     /// Stretches of log time that are not fitted, in every log.
     pub exclude: Vec<Stretch>,
     /// Whether spikes and disturbances are left out.
@@ -66,6 +78,7 @@ impl FitOptions {
             thermal: ThermalSettings::DEFAULT,
             rate_tau_s: None,
             kappa: None,
+            states: States::Auto,
             exclude: Vec::new(),
             robust: true,
             scale_factor_arcsec: None,
@@ -174,6 +187,7 @@ fn fit_channel(
         segments: options.segments.as_ref(),
         overlap: options.overlap,
         all_models: options.model == Model::Auto,
+        states: options.states == States::Auto,
     };
     let (choice, selection, chosen) = match options.model {
         Model::Static | Model::Composite => {
@@ -199,14 +213,9 @@ fn fit_channel(
             let division = (&segmentation, options.overlap);
             segments::fit(data, options.thermal, model.terms(), division, remarks)?
         }
-        Choice::Spline {
-            layout,
-            rate,
-            lag,
-            with_rate,
-        } => {
-            remark_on_rates(data, rate == RateForm::None, &with_rate, remarks);
-            joint::fit(data, options.thermal, lag, (&layout, rate), &with_rate)?
+        Choice::Spline(spline) => {
+            remark_on_rates(data, &spline, remarks);
+            joint::fit(data, options.thermal, &spline)?
         }
     };
     let findings = Findings {
@@ -237,9 +246,9 @@ fn remark_on_screening(data: &ChannelData, found: &Screening, remarks: &mut Vec<
 }
 
 /// Says which axes are left without rate terms, and why.
-fn remark_on_rates(data: &ChannelData, none: bool, with_rate: &[bool], remarks: &mut Vec<String>) {
+fn remark_on_rates(data: &ChannelData, spline: &Spline, remarks: &mut Vec<String>) {
     let channel = &data.logs[0].channels[data.channel];
-    if none {
+    if spline.rate == RateForm::None {
         remarks.push(format!(
             "{}: not improvable by the rate of temperature, as far as these logs tell: the model \
              has no rate terms and no lag shift (they are tried where the logs hold four soaks and \
@@ -251,8 +260,8 @@ fn remark_on_rates(data: &ChannelData, none: bool, with_rate: &[bool], remarks: 
     let without = channel
         .axes
         .iter()
-        .zip(with_rate)
-        .filter(|(_, with)| !**with);
+        .zip(&spline.axes)
+        .filter(|(_, with)| !with.rate);
     for (axis, _) in without {
         remarks.push(format!(
             "axis {}: rate terms do not improve what was left out of the fit by more than one \

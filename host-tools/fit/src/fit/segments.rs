@@ -77,6 +77,8 @@ pub(crate) fn fit(
         polynomials,
         sigmas,
         noises: vec![None; data.axes()],
+        history: Vec::new(),
+        gains: vec![Vec::new(); data.axes()],
     })
 }
 

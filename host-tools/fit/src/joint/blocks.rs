@@ -106,6 +106,13 @@ impl Blocks {
         self.raw[axis][block] + self.log_means[log][axis] - self.constants[log][axis]
     }
 
+    /// From the first to the last block of the longest log \[s\].
+    pub(crate) fn longest_log_s(&self) -> f64 {
+        let logs = self.blocks.chunk_by(|a, b| a.log == b.log);
+        let lengths = logs.map(|log| log[log.len() - 1].time_s - log[0].time_s);
+        lengths.fold(0.0, f64::max)
+    }
+
     pub(crate) fn axes(&self) -> usize {
         self.raw.len()
     }

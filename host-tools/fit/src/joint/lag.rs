@@ -6,6 +6,7 @@ use crate::joint::basis::{Basis, SparseRow};
 use crate::joint::blocks::Blocks;
 use crate::joint::folds::Folds;
 use crate::joint::gram::Gram;
+use crate::joint::states::{Shape, block_states};
 use crate::regress::ChannelData;
 
 /// Shifts that are tried.
@@ -79,13 +80,15 @@ impl<'a> Regressors<'a> {
         Blocks::range(&temps)
     }
 
-    /// The normal equations of each fold.
+    /// The normal equations of each fold; `states` are the values of the earned ones, block by
+    /// block.
     pub(crate) fn grams(
         &self,
         blocks: &Blocks,
         folds: &Folds,
         basis: &Basis,
         kappa: f64,
+        states: &[Vec<f64>],
     ) -> Vec<Gram> {
         let mut grams = vec![Gram::new(basis.columns(), blocks.axes()); folds.count];
         let mut row = SparseRow::new();
@@ -96,6 +99,7 @@ impl<'a> Regressors<'a> {
                 self.rates[i],
                 &mut row,
             );
+            basis.push_states(states.iter().map(|state| state[i]), &mut row);
             grams[folds.of_block[i]].push(&row, blocks.observations(i), block.weight);
         }
         grams
@@ -126,25 +130,25 @@ pub(crate) struct Found {
 
 /// Searches tau and kappa of least residual; the coefficients are eliminated at every step.
 ///
-/// `layout` makes the basis over a range of effective temperatures.
+/// `layout` makes the basis over a range of effective temperatures, `shape` are the earned states
+/// to go with it.
 pub(crate) fn search(
     data: &ChannelData,
     blocks: &Blocks,
     settings: &ThermalSettings,
     fixed: FixedLag,
     layout: &dyn Fn((f64, f64)) -> Basis,
+    shape: &Shape,
 ) -> Result<Found, TableError> {
-    let whole = Folds {
-        of_block: vec![0; blocks.blocks.len()],
-        count: 1,
-        legs: 1,
-    };
+    let whole = Folds::whole(blocks);
     // Cost without shift, and with the best one.
     let costs_at = |tau_s: f64, steps: usize| -> Result<(f64, Lowest), TableError> {
         let regressors = Regressors::new(blocks, data, settings, tau_s)?;
         let cost = |kappa: f64| {
-            let basis = layout(regressors.range_c(kappa));
-            let grams = regressors.grams(blocks, &whole, &basis, kappa);
+            let terms = shape.terms();
+            let basis = layout(regressors.range_c(kappa)).with_states(terms.len());
+            let states = block_states(blocks, &regressors, kappa, &terms);
+            let grams = regressors.grams(blocks, &whole, &basis, kappa, &states);
             log_likelihood(&grams[0], blocks.axes())
         };
         if let Some(kappa) = fixed.kappa {

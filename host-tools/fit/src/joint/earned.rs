@@ -1,0 +1,203 @@
+//! Whether a unit earns states: by what they do on soaks and ramps that were left out.
+
+use tempco::TableError;
+
+use crate::joint::basis::{Basis, RateForm};
+use crate::joint::crossval::HeldOut;
+use crate::joint::earn::{Bounds, Kind, REFINEMENTS, best};
+use crate::joint::folds::Folds;
+use crate::joint::gram::Gram;
+use crate::joint::lag::{Lag, Regressors, search};
+use crate::joint::select::{Choice, Question, Spline, Tried};
+use crate::joint::states::{Shape, Term, block_states};
+
+/// A slow part takes ramps of this many rates: with one, its lag and that of the rate estimator
+/// cannot be told apart, and two free lags fit noise.
+pub(crate) const LEAST_RATES: usize = 2;
+
+impl Question<'_> {
+    /// The `chosen` model, or the best spline of the `others` where it has no rate terms, with the
+    /// states that it earns: the fewest within one standard error of the best, and only if the
+    /// error of `chosen` is more than one standard error above. None where there are none.
+    pub(super) fn earned(
+        &self,
+        folds: &Folds,
+        chosen: &Tried,
+        others: &[Tried],
+    ) -> Result<Option<Tried>, TableError> {
+        let has_rate = |tried: &&Tried| matches!(&tried.choice, Choice::Spline(spline) if spline.rate != RateForm::None);
+        // Those of the others come best first.
+        let Some(start) = std::iter::once(chosen).chain(others).find(has_rate) else {
+            return Ok(None);
+        };
+        let Choice::Spline(spline) = &start.choice else {
+            return Ok(None);
+        };
+        let with_slow_part = folds.ramp_rates.len() >= LEAST_RATES;
+        let Some(lag) = self.lag_with_states(spline, with_slow_part)? else {
+            return Ok(None);
+        };
+        let regressors = self.regressors(lag.tau_s)?;
+        let Some(columns) = Columns::new(self, &regressors, lag, spline) else {
+            return Ok(None);
+        };
+        let found = self.of_each_kind(folds, start, &columns, with_slow_part);
+        let all_axes: Vec<usize> = (0..self.blocks.axes()).collect();
+        let lowest = found
+            .iter()
+            .min_by(|a, b| a.held_out.score().total_cmp(&b.held_out.score()));
+        let Some(lowest) = lowest.map(|tried| tried.held_out.clone()) else {
+            return Ok(None);
+        };
+        let simplest = found.into_iter().find(|tried| {
+            let (excess, sigma) = tried.held_out.excess(&lowest, &all_axes);
+            excess <= sigma
+        });
+        Ok(simplest.filter(|tried| {
+            let (excess, sigma) = chosen.held_out.excess(&tried.held_out, &all_axes);
+            excess > sigma
+        }))
+    }
+
+    /// Time constant and shift that go best with a play and, where it may be, a slow part: without
+    /// them, they stand in for them.
+    fn lag_with_states(
+        &self,
+        spline: &Spline,
+        with_slow_part: bool,
+    ) -> Result<Option<Lag>, TableError> {
+        let kind = Kind {
+            plays: 1,
+            slow_part: with_slow_part,
+        };
+        let regressors = self.regressors(spline.lag.tau_s)?;
+        let Some(columns) = Columns::new(self, &regressors, spline.lag, spline) else {
+            return Ok(None);
+        };
+        let Some(shape) = columns.shape(kind) else {
+            return Ok(None);
+        };
+        let basis = |range_c| {
+            let mut sorted_c = self.blocks.temp_c.clone();
+            sorted_c.sort_by(f64::total_cmp);
+            let logs = self.blocks.logs();
+            spline
+                .layout
+                .basis(range_c, &sorted_c, spline.rate, logs)
+                .expect("the layout was tried on the same blocks")
+        };
+        let found = search(
+            self.data,
+            self.blocks,
+            &self.settings,
+            self.fixed,
+            &basis,
+            &shape,
+        )?;
+        Ok(Some(found.best))
+    }
+
+    /// The model with states of each kind that can be fitted, the simplest first.
+    fn of_each_kind(
+        &self,
+        folds: &Folds,
+        start: &Tried,
+        columns: &Columns,
+        with_slow_part: bool,
+    ) -> Vec<Tried> {
+        let kinds = Kind::all(with_slow_part).into_iter();
+        let shapes: Vec<(Kind, Shape)> = kinds
+            .filter_map(|kind| Some((kind, columns.shape(kind)?)))
+            .collect();
+        // Without each fold the choice is from the first grid and from what was found on all data.
+        let mut terms = columns.bounds.grid();
+        terms.extend(shapes.iter().flat_map(|(_, shape)| shape.terms()));
+        Term::sort(&mut terms);
+        let grams = columns.grams(&terms, folds);
+        let leading = columns.basis.columns_without_states();
+        shapes
+            .into_iter()
+            .filter_map(|(kind, shape)| {
+                let pick = |reduced: &Gram| best(reduced, &terms, kind);
+                let held_out = HeldOut::picked(self.blocks, folds, &grams, leading, pick)?;
+                let mut tried = Tried {
+                    held_out,
+                    ..start.clone()
+                };
+                let Choice::Spline(spline) = &mut tried.choice else {
+                    return None;
+                };
+                spline.lag = columns.lag;
+                spline.shape = shape.clone();
+                for axis in &mut spline.axes {
+                    axis.states = true;
+                }
+                let candidate = &mut tried.candidate;
+                candidate.columns += shape.terms().len();
+                (candidate.tau_s, candidate.kappa) = (columns.lag.tau_s, columns.lag.kappa);
+                (candidate.half_widths_c, candidate.slow_tau_s) =
+                    (shape.half_widths_c, shape.slow_tau_s);
+                let axes = 0..self.blocks.axes();
+                candidate.rmse = axes
+                    .map(|axis| tried.held_out.mean_square(axis).sqrt())
+                    .collect();
+                (candidate.excess, candidate.excess_sigma) = (0.0, 0.0);
+                Some(tried)
+            })
+            .collect()
+    }
+}
+
+/// The columns of a model at one lag, to which those of terms are put.
+struct Columns<'a> {
+    question: &'a Question<'a>,
+    regressors: &'a Regressors<'a>,
+    lag: Lag,
+    basis: Basis,
+    bounds: Bounds,
+}
+
+impl<'a> Columns<'a> {
+    fn new(
+        question: &'a Question<'a>,
+        regressors: &'a Regressors<'a>,
+        lag: Lag,
+        spline: &Spline,
+    ) -> Option<Self> {
+        let basis = question.basis(regressors, lag.kappa, (&spline.layout, spline.rate))?;
+        let range_c = regressors.range_c(lag.kappa);
+        let longest_log_s = question.blocks.longest_log_s();
+        Some(Self {
+            question,
+            regressors,
+            lag,
+            basis,
+            bounds: Bounds::new(range_c, lag.tau_s, longest_log_s),
+        })
+    }
+
+    fn grams(&self, terms: &[Term], folds: &Folds) -> Vec<Gram> {
+        let blocks = self.question.blocks;
+        let states = block_states(blocks, self.regressors, self.lag.kappa, terms);
+        let basis = self.basis.clone().with_states(terms.len());
+        self.regressors
+            .grams(blocks, folds, &basis, self.lag.kappa, &states)
+    }
+
+    /// The shape of least residual on all data.
+    fn shape(&self, kind: Kind) -> Option<Shape> {
+        let whole = Folds::whole(self.question.blocks);
+        let mut shape: Option<Shape> = None;
+        for pass in 0..=REFINEMENTS {
+            let terms = match &shape {
+                None => self.bounds.grid(),
+                Some(shape) => self.bounds.around(shape, pass),
+            };
+            let gram = &self.grams(&terms, &whole)[0];
+            let reduced = gram.reduced(self.basis.columns_without_states())?;
+            let found = best(&reduced, &terms, kind)?;
+            shape = Some(Shape::of(found.into_iter().map(|position| terms[position])));
+        }
+        shape
+    }
+}
