@@ -90,6 +90,7 @@ fn ratios(world: World, programme: Programme, model: Model) -> Ratios {
                 .zip(ten_minutes(&paper))
                 .map(|(a, b)| a / b),
         );
+        println!("    first {:.2?}", &first[first.len() - 3..]);
     }
     let ratios = Ratios {
         mean: geometric_mean(&found),

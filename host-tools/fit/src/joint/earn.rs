@@ -61,11 +61,11 @@ impl Bounds {
     /// longest log.
     pub(crate) fn new(range_c: (f64, f64), tau_s: f64, longest_log_s: f64) -> Self {
         let slow = (
-            LEAST_SLOWNESS * tau_s,
+            std::env::var("E_SLOW").map_or(LEAST_SLOWNESS, |v| v.parse().unwrap()) * tau_s,
             MOST_TAU_S.min(longest_log_s / TAUS_PER_LOG),
         );
         Self {
-            half_width_c: (LEAST_WIDTH_C, MOST_WIDTH * (range_c.1 - range_c.0)),
+            half_width_c: (LEAST_WIDTH_C, std::env::var("E_WIDTH").map_or(MOST_WIDTH, |v| v.parse().unwrap()) * (range_c.1 - range_c.0)),
             tau_s: (slow.1 > slow.0).then_some(slow),
         }
     }

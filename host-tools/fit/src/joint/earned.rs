@@ -8,6 +8,7 @@ use crate::joint::earn::{Bounds, Kind, REFINEMENTS, best};
 use crate::joint::folds::Folds;
 use crate::joint::gram::Gram;
 use crate::joint::lag::{Lag, Regressors, search};
+use crate::joint::layout::Layout;
 use crate::joint::select::{Choice, Question, Spline, Tried};
 use crate::joint::states::{Shape, Term, block_states};
 
@@ -53,10 +54,44 @@ impl Question<'_> {
             let (excess, sigma) = tried.held_out.excess(&lowest, &all_axes);
             excess <= sigma
         });
-        Ok(simplest.filter(|tried| {
+        let Some(mut earned) = simplest.filter(|tried| {
             let (excess, sigma) = chosen.held_out.excess(&tried.held_out, &all_axes);
             excess > sigma
-        }))
+        }) else {
+            return Ok(None);
+        };
+        let any = self.drop_states_that_do_not_help(folds, &mut earned)?;
+        Ok(any.then_some(earned))
+    }
+
+    /// An axis keeps its states only if they lower its held-out error by more than one standard
+    /// error; whether any does.
+    fn drop_states_that_do_not_help(
+        &self,
+        folds: &Folds,
+        chosen: &mut Tried,
+    ) -> Result<bool, TableError> {
+        let Choice::Spline(spline) = &mut chosen.choice else {
+            return Ok(false);
+        };
+        let lag = spline.lag;
+        let regressors = self.regressors(lag.tau_s)?;
+        let basis = self.basis(&regressors, lag.kappa, (&spline.layout, spline.rate));
+        let held_out = basis.and_then(|basis| {
+            HeldOut::spline(self.blocks, folds, &regressors, lag.kappa, &basis, &[])
+        });
+        let Some(without) = held_out else {
+            return Ok(true);
+        };
+        for (axis, with) in spline.axes.iter_mut().enumerate() {
+            let (excess, sigma) = without.excess(&chosen.held_out, &[axis]);
+            with.states = excess > sigma;
+            if !with.states {
+                chosen.held_out.squares[axis].clone_from(&without.squares[axis]);
+                chosen.candidate.rmse[axis] = without.mean_square(axis).sqrt();
+            }
+        }
+        Ok(spline.axes.iter().any(|axis| axis.states))
     }
 
     /// Time constant and shift that go best with a play and, where it may be, a slow part: without
@@ -77,14 +112,12 @@ impl Question<'_> {
         let Some(shape) = columns.shape(kind) else {
             return Ok(None);
         };
+        // Quantiles of other temperatures might coincide.
+        let layout = Layout::uniform(columns.basis.segments());
         let basis = |range_c| {
-            let mut sorted_c = self.blocks.temp_c.clone();
-            sorted_c.sort_by(f64::total_cmp);
-            let logs = self.blocks.logs();
-            spline
-                .layout
-                .basis(range_c, &sorted_c, spline.rate, logs)
-                .expect("the layout was tried on the same blocks")
+            layout
+                .basis(range_c, &[], spline.rate, self.blocks.logs())
+                .expect("uniform breakpoints ascend")
         };
         let found = search(
             self.data,

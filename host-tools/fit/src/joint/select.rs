@@ -111,7 +111,6 @@ impl Question<'_> {
             && let Some(earned) = self.earned(&folds, &chosen, &tried)?
         {
             tried.insert(0, std::mem::replace(&mut chosen, earned));
-            self.drop_states_that_do_not_help(&folds, &mut chosen)?;
         }
         self.drop_rates_that_do_not_help(&folds, &mut chosen)?;
         let selection = Selection {
@@ -174,36 +173,6 @@ impl Question<'_> {
 
     pub(super) fn regressors(&self, tau_s: f64) -> Result<Regressors<'_>, TableError> {
         Regressors::new(self.blocks, self.data, &self.settings, tau_s)
-    }
-
-    /// An axis keeps its states only if they lower its held-out error by more than one standard
-    /// error.
-    fn drop_states_that_do_not_help(
-        &self,
-        folds: &Folds,
-        chosen: &mut Tried,
-    ) -> Result<(), TableError> {
-        let Choice::Spline(spline) = &mut chosen.choice else {
-            return Ok(());
-        };
-        let lag = spline.lag;
-        let regressors = self.regressors(lag.tau_s)?;
-        let basis = self.basis(&regressors, lag.kappa, (&spline.layout, spline.rate));
-        let held_out = basis.and_then(|basis| {
-            HeldOut::spline(self.blocks, folds, &regressors, lag.kappa, &basis, &[])
-        });
-        let Some(without) = held_out else {
-            return Ok(());
-        };
-        for (axis, with) in spline.axes.iter_mut().enumerate() {
-            let (excess, sigma) = without.excess(&chosen.held_out, &[axis]);
-            with.states = excess > sigma;
-            if !with.states {
-                chosen.held_out.squares[axis].clone_from(&without.squares[axis]);
-                chosen.candidate.rmse[axis] = without.mean_square(axis).sqrt();
-            }
-        }
-        Ok(())
     }
 
     /// An axis keeps its rate terms only if they lower its held-out error by more than one
