@@ -6,37 +6,37 @@ use crate::interval::Interval;
 use crate::sign::Sign;
 use crate::thermal::Thermal;
 
-/// A first-order low-pass filter of a temperature.
+/// A first-order low-pass filter.
 ///
 /// Its value is kept as a sum of two f32. With one, the increments of a slow ramp vanish below its
 /// last place: at 1 kHz, 60 s and 70 degC a ramp of 0.02 degC/min reads 0.1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct Filter {
-    filtered_c: f32,
-    /// What rounding left out of `filtered_c` \[degC\].
-    remainder_c: f32,
+    value: f32,
+    /// What rounding left out of `value`.
+    remainder: f32,
 }
 
 impl Filter {
-    /// The filter of a part that has been at this temperature for long.
-    pub(crate) const fn new(temp_c: f32) -> Self {
+    /// A filter of what has been like this for long.
+    pub(crate) const fn new(value: f32) -> Self {
         Self {
-            filtered_c: temp_c,
-            remainder_c: 0.0,
+            value,
+            remainder: 0.0,
         }
     }
 
-    /// Follows a temperature and returns how far it lagged behind it \[degC\]:
-    /// `d = T - L`, then `L += alpha d`.
+    /// Takes an input and returns how far the filter lagged behind it: `d = input - L`, then
+    /// `L += alpha d`.
     #[inline(always)]
-    pub(crate) fn lag(&mut self, alpha: f32, temp_c: f32) -> f32 {
-        let filtered_c = self.filtered_c;
-        let lag_c = (temp_c - filtered_c) - self.remainder_c;
-        let increment_c = alpha * lag_c + self.remainder_c;
-        self.filtered_c = filtered_c + increment_c;
-        self.remainder_c = increment_c - (self.filtered_c - filtered_c);
-        lag_c
+    pub(crate) fn lag(&mut self, alpha: f32, input: f32) -> f32 {
+        let value = self.value;
+        let lag = (input - value) - self.remainder;
+        let increment = alpha * lag + self.remainder;
+        self.value = value + increment;
+        self.remainder = increment - (self.value - value);
+        lag
     }
 }
 
@@ -62,9 +62,10 @@ impl Filter {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct RateEstimator {
-    filter: Filter,
-    /// `s`.
-    memory: f32,
+    /// `L` \[degC\].
+    filtered: Filter,
+    /// `s`: a filter, too, of a step from 0 to 1.
+    memory: Filter,
     /// `1 / max(s, 60 s / tau)`, by a step of Newton's method per update: it needs no division, and
     /// one step suffices where updates are seconds apart, as `s` then moves little in one.
     gain: f32,
@@ -73,8 +74,8 @@ pub(crate) struct RateEstimator {
 impl RateEstimator {
     pub(crate) const fn new(thermal: &Thermal, temp_c: f32) -> Self {
         Self {
-            filter: Filter::new(temp_c),
-            memory: 0.0,
+            filtered: Filter::new(temp_c),
+            memory: Filter::new(0.0),
             gain: 1.0 / thermal.least_memory,
         }
     }
@@ -92,12 +93,12 @@ impl RateEstimator {
         change_c: f32,
         moved: Sign,
     ) -> f32 {
-        let filtered_c = self.filter.filtered_c;
-        self.filter.filtered_c = moved.select(filtered_c, filtered_c + change_c);
-        let lag_c = self.filter.lag(interval.alpha, temp_c);
+        let filtered_c = self.filtered.value;
+        self.filtered.value = moved.select(filtered_c, filtered_c + change_c);
+        let lag_c = self.filtered.lag(interval.alpha, temp_c);
 
-        self.memory += interval.alpha * (1.0 - self.memory);
-        let memory = at_least(self.memory, thermal.least_memory);
+        self.memory.lag(interval.alpha, 1.0);
+        let memory = at_least(self.memory.value, thermal.least_memory);
         // From below, Newton's method always converges; a step from far above would leave the
         // positive numbers.
         self.gain = at_least(self.gain * (2.0 - memory * self.gain), 1.0);
@@ -212,7 +213,7 @@ mod tests {
                 for part in parts {
                     let interval = Interval::new(&thermal, part * tau_s);
                     estimator.update(&thermal, &interval, 25.0, 0.0, MOVED);
-                    assert!((0.0..=1.0).contains(&estimator.memory));
+                    assert!((0.0..=1.0).contains(&estimator.memory.value));
                     let most = 1.000_001 / thermal.least_memory;
                     assert!(
                         estimator.gain >= 1.0 && estimator.gain <= most,

@@ -8,6 +8,7 @@ use core::hint::select_unpredictable;
 use crate::Interval;
 use crate::estimator::Filter;
 use crate::interval::slower_alpha;
+use crate::sign::{limit, magnitude};
 use crate::table::{MAX_COEFFICIENT, TableError, is_within};
 
 /// A hysteresis term: the effective temperature drags a contact along, as through a slot.
@@ -32,12 +33,13 @@ pub struct Play<const AXES: usize> {
 /// A second lag: a part of the unit that is slower than the rate estimator.
 ///
 /// ```text
-/// d  = u - S;  S += alpha d               the slow part's temperature [degC]
-/// B += gain min(max(d, -limit), limit)
+/// S += alpha (u - S)                      the slow part's temperature [degC]
+/// B += gain min(max(u - S, -limit), limit)
 /// ```
 ///
-/// After power-on the slow part is taken to be where the temperature is; the term fades in with
-/// its time constant.
+/// with `alpha = 1 - exp(-dt / tau)`. After power-on the slow part is taken to be where the
+/// temperature is, and so it is after an interval of more than half its time constant: the term
+/// fades in with that time constant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct SlowPart<const AXES: usize> {
@@ -189,7 +191,9 @@ impl<const PLAYS: usize, const SLOW: usize> HistoryState<PLAYS, SLOW> {
         let lags = self.slow_parts.iter_mut().zip(&mut point.lags_c);
         for ((part, &per_tau_hz), (slow, lag_c)) in parts.zip(lags) {
             let alpha = slower_alpha(interval, per_tau_hz);
-            *lag_c = within(slow.lag(alpha, effective_c), -part.limit_c, part.limit_c);
+            let before_c = slow.lag(alpha, effective_c);
+            // Nothing is left of it where alpha is 1.
+            *lag_c = limit(before_c * (1.0 - alpha), magnitude(part.limit_c));
         }
         point
     }

@@ -12,9 +12,6 @@ pub(crate) const TICKS_PER_S: f32 = 1e5;
 /// A temperature near 150 degC has a last place of 1.5e-5 degC; a smaller step would vanish.
 const LEAST_SLEW_C: f32 = 2e-5;
 
-/// Stands for every interval that is too long: longer than any time constant.
-const GAP_S: f32 = 1e9;
-
 /// The time since the last thermal update, with the filter factors that follow from it.
 ///
 /// A unit that samples its temperature at a fixed rate makes one constant of it; where the time
@@ -31,7 +28,7 @@ pub struct Interval {
     pub(crate) ticks: i32,
     /// A change up to this is noise and movement of one interval \[bits of degC\].
     pub(crate) near: i32,
-    /// The time \[s\], or [`GAP_S`].
+    /// The time, 0 to infinity \[s\].
     pub(crate) dt_s: f32,
     pub(crate) alpha: f32,
     /// Rate of temperature per degree of lag \[1/min\].
@@ -55,11 +52,11 @@ impl Interval {
         let longest_s = thermal.longest_interval_s();
         let gap = dt_s > longest_s;
         let real_s = if forward { dt_s } else { 0.0 };
-        let dt_s = if gap { longest_s } else { real_s };
-        let x = dt_s * thermal.per_tau_hz;
+        let used_s = if gap { longest_s } else { real_s };
+        let x = used_s * thermal.per_tau_hz;
         let alpha_per_x = 1.0
             - x * (1.0 / 2.0) * (1.0 - x * (1.0 / 3.0) * (1.0 - x * (1.0 / 4.0) * (1.0 - x * 0.2)));
-        let slew_c = thermal.settings.max_slew_c_per_min * dt_s * (1.0 / 60.0);
+        let slew_c = thermal.settings.max_slew_c_per_min * used_s * (1.0 / 60.0);
         let vanishes = forward & (slew_c < LEAST_SLEW_C);
         let slew_c = if vanishes { LEAST_SLEW_C } else { slew_c };
         let gate_c = if forward {
@@ -70,7 +67,7 @@ impl Interval {
         Self {
             // The conversion saturates.
             ticks: (real_s * TICKS_PER_S + 0.5) as i32,
-            dt_s: if gap { GAP_S } else { dt_s },
+            dt_s: real_s,
             alpha: if gap { 1.0 } else { x * alpha_per_x },
             rate_gain_per_min: if gap {
                 0.0
@@ -85,9 +82,11 @@ impl Interval {
     }
 }
 
-/// `1 - exp(-dt / tau)` for a time constant no shorter than the one the interval was made for: 1 after a gap,
-/// else by `x (1 - x/2 (1 - x/3))` with `x = dt / tau`, whose relative error is below 6e-3 at the
-/// limit `x = 1/2` and below 5e-5 for `x <= 1/10`.
+/// `1 - exp(-dt / tau)` for another time constant, no shorter than the one of the settings; 1 if
+/// the interval is longer than half of it.
+///
+/// By `x (1 - x/2 (1 - x/3))` with `x = dt / tau`, whose relative error is below 6e-3 at the limit
+/// `x = 1/2` and below 5e-5 for `x <= 1/10`.
 #[inline(always)]
 pub(crate) fn slower_alpha(interval: &Interval, per_tau_hz: f32) -> f32 {
     let x = interval.dt_s * per_tau_hz;

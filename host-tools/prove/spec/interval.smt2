@@ -2,7 +2,7 @@
 ;@ function prove_interval
 
 ;@ define
-(define-fun half_tau () F32 (fp.mul RNE |thermal.tau_s| ((_ to_fp 8 24) RNE 0.5)))
+(define-fun half_tau () F32 (fp.mul RNE |thermal.settings.tau_s| ((_ to_fp 8 24) RNE 0.5)))
 (define-fun forward () Bool (fp.gt |dt_s| zero))
 ; Not `unordered or at most`, as the compiler has it: the solvers then share the products.
 (define-fun gap () Bool
@@ -12,13 +12,13 @@
 
 ;@ assume settings: what Thermal::new accepts and derives
 (and
-  (within |thermal.tau_s| ((_ to_fp 8 24) RNE 0.1) ((_ to_fp 8 24) RNE 6000.0))
-  (= |thermal.per_tau_hz| (fp.div RNE one |thermal.tau_s|))
-  (within |thermal.spike_gate_c| ((_ to_fp 8 24) RNE 0.001) ((_ to_fp 8 24) RNE 1000.0))
-  (within |thermal.max_slew_c_per_min| ((_ to_fp 8 24) RNE 0.001) ((_ to_fp 8 24) RNE 10000.0)))
+  (within |thermal.settings.tau_s| ((_ to_fp 8 24) RNE 0.1) ((_ to_fp 8 24) RNE 6000.0))
+  (= |thermal.per_tau_hz| (fp.div RNE one |thermal.settings.tau_s|))
+  (within |thermal.settings.spike_gate_c| ((_ to_fp 8 24) RNE 0.001) ((_ to_fp 8 24) RNE 1000.0))
+  (within |thermal.settings.max_slew_c_per_min| ((_ to_fp 8 24) RNE 0.001) ((_ to_fp 8 24) RNE 10000.0)))
 
 ;@ claim gate: the spike gate if time has passed, else negative infinity, within which nothing lies
-(= |interval'.gate_c| (ite forward |thermal.spike_gate_c| (_ -oo 8 24)))
+(= |interval'.gate_c| (ite forward |thermal.settings.spike_gate_c| (_ -oo 8 24)))
 
 ;@ claim near: the bits of the gate and the slew together
 (= ((_ to_fp 8 24) |interval'.near|)
@@ -40,7 +40,7 @@
 
 ;@ claim slew_equation: the slew of that time, but for at most half the time constant and at least 2e-5 degC
 (let ((slew (fp.mul RNE
-        (fp.mul RNE |thermal.max_slew_c_per_min| (ite (not gap) real_s half_tau))
+        (fp.mul RNE |thermal.settings.max_slew_c_per_min| (ite (not gap) real_s half_tau))
         (fp.div RNE ((_ to_fp 8 24) RNE 1.0) ((_ to_fp 8 24) RNE 60.0))))
       (least ((_ to_fp 8 24) RNE 0.00002)))
   (= ((_ to_fp 8 24) |interval'.slew|) (ite (and forward (fp.lt slew least)) least slew)))

@@ -22,10 +22,10 @@
   (within |thermal.sensor_middle_c| c_low c_1e3)
   (within reach_c zero ((_ to_fp 8 24) RNE 640.0))
   (bvsle (_ bv0 32) |thermal.sensor_reach|)
-  (within |thermal.spike_gate_c| c_milli c_1e3)
-  (within |thermal.rate_min_c_per_min| (fp.neg c_1e4) zero)
-  (within |thermal.rate_max_c_per_min| zero c_1e4)
-  (within |thermal.reference_c| c_low c_1e3)
+  (within |thermal.settings.spike_gate_c| c_milli c_1e3)
+  (within |thermal.settings.rate_min_c_per_min| (fp.neg c_1e4) zero)
+  (within |thermal.settings.rate_max_c_per_min| zero c_1e4)
+  (within |thermal.settings.reference_c| c_low c_1e3)
   (within |thermal.slew_c_per_tick| zero ((_ to_fp 8 24) RNE 0.001667))
   (within |thermal.shift_min| zero ((_ to_fp 8 24) RNE 200.0))
   (ticks_within |thermal.hold_ticks| (_ bv0 32) (_ bv2000000000 32))
@@ -40,7 +40,7 @@
   (within |interval.rate_gain_per_min| zero ((_ to_fp 8 24) RNE 601.0))
   (bvsle (_ bv0 32) |interval.slew|)
   (within slew_c zero ((_ to_fp 8 24) RNE 500001.0))
-  (or (= |interval.gate_c| |thermal.spike_gate_c|) (= |interval.gate_c| (_ -oo 8 24)))
+  (or (= |interval.gate_c| |thermal.settings.spike_gate_c|) (= |interval.gate_c| (_ -oo 8 24)))
   (= near_c (fp.add RNE |interval.gate_c| slew_c))
   (= (bvand |interval.status| (bvnot (_ bv16 16))) (_ bv0 16)))
 
@@ -55,7 +55,7 @@
     (within effective (fp.neg effective_bound) effective_bound)))
 
 ;@ assume state: the invariant, which ThermalState::new establishes
-(invariant |state.temp_c| |state.age| |state.filtered_c| |state.remainder_c|
+(invariant |state.conditioner.temp_c| |state.conditioner.age| |state.estimator.filtered.value| |state.estimator.filtered.remainder|
            |state.effective_c|)
 
 ;@ define
@@ -63,28 +63,28 @@
 (define-fun in_range () Bool
   (fp.leq (fp.abs (fp.sub RNE |temp_c| |thermal.sensor_middle_c|)) reach_c))
 (define-fun spec_age () (_ BitVec 32)
-  (sum |state.age| |interval.ticks|))
-(define-fun was_lost () Bool (bvsgt |state.age| |thermal.hold_ticks|))
+  (sum |state.conditioner.age| |interval.ticks|))
+(define-fun was_lost () Bool (bvsgt |state.conditioner.age| |thermal.hold_ticks|))
 (define-fun far_c () F32
   (fp.add RNE |interval.gate_c|
     (fp.mul RNE |thermal.slew_c_per_tick| ((_ to_fp 8 24) RNE spec_age))))
-(define-fun change_c () F32 (fp.sub RNE |temp_c| |state.temp_c|))
+(define-fun change_c () F32 (fp.sub RNE |temp_c| |state.conditioner.temp_c|))
 (define-fun plausible () Bool (fp.leq (fp.abs change_c) (ite was_lost near_c far_c)))
 (define-fun believed () Bool (and in_range plausible))
 (define-fun anew () Bool
   (or (fp.gt (fp.abs change_c) near_c) (bvsgt spec_age |thermal.restart_ticks|)))
 (define-fun restart () Bool (and believed anew))
-(define-fun lost () Bool (bvsgt |state'.age| |thermal.hold_ticks|))
+(define-fun lost () Bool (bvsgt |state'.conditioner.age| |thermal.hold_ticks|))
 ; A reading that is not believed is gone on with only once the temperature is lost.
 (define-fun taken () Bool (and in_range (or plausible lost)))
 (define-fun filtered () F32
-  (ite (and taken anew) (fp.add RNE change_c |state.filtered_c|) |state.filtered_c|))
+  (ite (and taken anew) (fp.add RNE change_c |state.estimator.filtered.value|) |state.estimator.filtered.value|))
 (define-fun lag_c () F32
-  (fp.sub RNE (fp.sub RNE |state'.temp_c| filtered) |state.remainder_c|))
+  (fp.sub RNE (fp.sub RNE |state'.conditioner.temp_c| filtered) |state.estimator.filtered.remainder|))
 (define-fun spec_rate () F32 (fp.mul RNE lag_c |interval.rate_gain_per_min|))
 (define-fun spec_target () F32
-  (ite lost |thermal.reference_c|
-    (fp.sub RNE |state'.temp_c| (fp.mul RNE |thermal.shift_min| |rate_c_per_min'.value|))))
+  (ite lost |thermal.settings.reference_c|
+    (fp.sub RNE |state'.conditioner.temp_c| (fp.mul RNE |thermal.shift_min| |rate_c_per_min'.value|))))
 (define-fun way_c () F32 (fp.sub RNE spec_target |state.effective_c|))
 (define-fun spec_step () F32
   (ite (fp.gt way_c slew_c) slew_c
@@ -100,22 +100,22 @@
 (=> in_range (finite change_c))
 
 ;@ claim belief abstract by far,near,change: the temperature is taken if believed or to be confirmed, else it is what it was, NaN and infinite included
-(= |state'.temp_c| (ite taken |temp_c| |state.temp_c|))
+(= |state'.conditioner.temp_c| (ite taken |temp_c| |state.conditioner.temp_c|))
 
 ;@ claim age abstract by far,near,change: ticks since the last believed temperature
-(= |state'.age| (ite believed (_ bv0 32) spec_age))
+(= |state'.conditioner.age| (ite believed (_ bv0 32) spec_age))
 
 ;@ claim settling abstract by far,near,change: begins at a restart, is extended by rejections and else runs down
-(let ((healing (difference |thermal.healing| |state.age|)))
-  (= |state'.settled|
+(let ((healing (difference |thermal.healing| |state.conditioner.age|)))
+  (= |state'.conditioner.settled|
     (ite restart |thermal.settling|
-    (ite believed (sum |state.settled| |interval.ticks|)
-    (ite (bvslt |state.settled| healing) |state.settled| healing)))))
+    (ite believed (sum |state.conditioner.settled| |interval.ticks|)
+    (ite (bvslt |state.conditioner.settled| healing) |state.conditioner.settled| healing)))))
 
 ;@ claim counters abstract by far,near,change: rejections and restarts are counted, each by one
 (and
-  (= |state'.rejected| (bvadd |state.rejected| (ite believed (_ bv0 32) (_ bv1 32))))
-  (= |state'.restarts| (bvadd |state.restarts| (ite restart (_ bv1 32) (_ bv0 32)))))
+  (= |state'.conditioner.rejected| (bvadd |state.conditioner.rejected| (ite believed (_ bv0 32) (_ bv1 32))))
+  (= |state'.conditioner.restarts| (bvadd |state.conditioner.restarts| (ite restart (_ bv1 32) (_ bv0 32)))))
 
 ;@ claim flag_invalid abstract by far,near,change: TEMPERATURE_INVALID if and only if NaN or out of the sensor's range
 (= (flag |status'.value| (_ bv1 16)) (not in_range))
@@ -135,11 +135,11 @@
 ;@ claim flag_clamped abstract by far,near,change,rate: RATE_CLAMPED if and only if the rate left its range; the rate given is the nearest in range
 (and
   (= (flag |status'.value| (_ bv64 16))
-     (or (fp.lt spec_rate |thermal.rate_min_c_per_min|)
-         (fp.gt spec_rate |thermal.rate_max_c_per_min|)))
+     (or (fp.lt spec_rate |thermal.settings.rate_min_c_per_min|)
+         (fp.gt spec_rate |thermal.settings.rate_max_c_per_min|)))
   (same |rate_c_per_min'.value|
-    (ite (fp.lt spec_rate |thermal.rate_min_c_per_min|) |thermal.rate_min_c_per_min|
-    (ite (fp.gt spec_rate |thermal.rate_max_c_per_min|) |thermal.rate_max_c_per_min|
+    (ite (fp.lt spec_rate |thermal.settings.rate_min_c_per_min|) |thermal.settings.rate_min_c_per_min|
+    (ite (fp.gt spec_rate |thermal.settings.rate_max_c_per_min|) |thermal.settings.rate_max_c_per_min|
       spec_rate))))
 
 ;@ claim way: the way to the target is a number
@@ -147,15 +147,15 @@
 
 ;@ claim flag_settling abstract by near,way: SETTLING if and only if settling or further from the target than the gate and the slew
 (= (flag |status'.value| (_ bv8 16))
-   (or (bvslt |state'.settled| (_ bv0 32))
+   (or (bvslt |state'.conditioner.settled| (_ bv0 32))
        (not (fp.leq (fp.abs way_c) near_c))))
 
 ;@ claim filter_equation abstract by far,near,change: the filtered temperature and its remainder follow the documented equations
-(let ((increment (fp.add RNE |state.remainder_c| (fp.mul RNE |interval.alpha| lag_c))))
+(let ((increment (fp.add RNE |state.estimator.filtered.remainder| (fp.mul RNE |interval.alpha| lag_c))))
   (and
-    (same |state'.filtered_c| (fp.add RNE filtered increment))
-    (same |state'.remainder_c|
-      (fp.sub RNE increment (fp.sub RNE |state'.filtered_c| filtered)))))
+    (same |state'.estimator.filtered.value| (fp.add RNE filtered increment))
+    (same |state'.estimator.filtered.remainder|
+      (fp.sub RNE increment (fp.sub RNE |state'.estimator.filtered.value| filtered)))))
 
 ;@ claim slew abstract by way: the effective temperature moves towards its target by a step of the slew at most, rounded once
 (and
@@ -166,21 +166,21 @@
 ;@ claim output: the effective temperature given is the one kept, and the rate is in its range
 (and
   (same |effective_c'.value| |state'.effective_c|)
-  (within |rate_c_per_min'.value| |thermal.rate_min_c_per_min| |thermal.rate_max_c_per_min|))
+  (within |rate_c_per_min'.value| |thermal.settings.rate_min_c_per_min| |thermal.settings.rate_max_c_per_min|))
 
 ;@ claim finite: every output and every part of the state is finite
-(and (finite |effective_c'.value|) (finite |rate_c_per_min'.value|) (finite |state'.temp_c|)
-     (finite |state'.filtered_c|) (finite |state'.remainder_c|) (finite |state'.effective_c|))
+(and (finite |effective_c'.value|) (finite |rate_c_per_min'.value|) (finite |state'.conditioner.temp_c|)
+     (finite |state'.estimator.filtered.value|) (finite |state'.estimator.filtered.remainder|) (finite |state'.effective_c|))
 
 ;@ claim kept: the invariant of temperature and times is kept
-(and (within |state'.temp_c| (fp.neg temp_bound) temp_bound)
-     (bvsle (_ bv0 32) |state'.age|))
+(and (within |state'.conditioner.temp_c| (fp.neg temp_bound) temp_bound)
+     (bvsle (_ bv0 32) |state'.conditioner.age|))
 
 ;@ claim kept_effective: the invariant of the effective temperature is kept
 (within |state'.effective_c| (fp.neg effective_bound) effective_bound)
 
 ;@ claim kept_filtered: the invariant of the filtered temperature is kept
-(within |state'.filtered_c| (fp.neg filter_bound) filter_bound)
+(within |state'.estimator.filtered.value| (fp.neg filter_bound) filter_bound)
 
 ;@ claim kept_remainder slow: the invariant of the remainder is kept
-(within |state'.remainder_c| (fp.neg remainder_bound) remainder_bound)
+(within |state'.estimator.filtered.remainder| (fp.neg remainder_bound) remainder_bound)

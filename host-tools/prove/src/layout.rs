@@ -9,7 +9,10 @@ use std::fmt::Debug;
 use std::mem::MaybeUninit;
 
 use anyhow::{Context, Result, bail, ensure};
-use tempco::{Interval, Table, Terms, Thermal, ThermalSettings, ThermalState};
+use tempco::{
+    History, HistoryState, Interval, Play, SlowPart, Table, Terms, Thermal, ThermalSettings,
+    ThermalState,
+};
 
 use crate::smt::{Field, FieldType, Object};
 
@@ -31,6 +34,19 @@ pub(crate) fn objects(ir: &str) -> Result<Vec<Object>> {
     };
     let state = checked(&ThermalState::new(&thermal), ir, "PROVE_STATE")?;
     let interval = checked(&Interval::new(&thermal, 0.25), ir, "PROVE_INTERVAL")?;
+    let play = Play {
+        half_width_c: 3.0,
+        gain: [0.5],
+    };
+    let play = checked(&History::new(60.0, [play], [])?, ir, "PROVE_PLAY")?;
+    let contact = checked(&HistoryState::<1, 0>::new(25.0), ir, "PROVE_CONTACT")?;
+    let slow_part = SlowPart {
+        tau_s: 600.0,
+        limit_c: 8.0,
+        gain: [0.5],
+    };
+    let slow_part = checked(&History::new(60.0, [], [slow_part])?, ir, "PROVE_SLOW_PART")?;
+    let slow = checked(&HistoryState::<0, 1>::new(25.0), ir, "PROVE_SLOW")?;
     let thermal = checked(&thermal, ir, "PROVE_THERMAL")?;
     let terms = (0..5).map(|number| Field {
         name: ["a0", "a1", "a2", "r0", "r1"][number].to_owned(),
@@ -43,6 +59,10 @@ pub(crate) fn objects(ir: &str) -> Result<Vec<Object>> {
         object("thermal", thermal, true),
         object("table", table(ir)?, true),
         object("terms", terms.collect(), true),
+        object("play", play, true),
+        object("contact", contact, true),
+        object("slow_part", slow_part, true),
+        object("slow", slow, true),
         single("effective_c", FieldType::Float),
         single("rate_c_per_min", FieldType::Float),
         single("z", FieldType::Float),
@@ -93,21 +113,20 @@ fn fields<T: Copy + Debug>() -> Result<Vec<Field>> {
     Ok(found)
 }
 
-/// The innermost names of a `{:#?}` output, and their values.
+/// The names of the numbers in a `{:#?}` output, with those they lie in, and their values.
 fn leaves(text: &str) -> Vec<(String, String)> {
-    let mut names: Vec<String> = Vec::new();
+    let mut names: Vec<&str> = Vec::new();
     let mut leaves = Vec::new();
     for line in text.lines().map(|line| line.trim().trim_end_matches(',')) {
-        let (name, rest) = match line.split_once(": ") {
-            Some((name, rest)) => (name.to_owned(), rest),
-            None => (names.last().cloned().unwrap_or_default(), line),
-        };
+        let (name, rest) = line.split_once(": ").unwrap_or(("", line));
         if rest.ends_with(['{', '(', '[']) {
             names.push(name);
         } else if matches!(rest, "}" | ")" | "]") {
             names.pop();
-        } else {
-            leaves.push((name, rest.to_owned()));
+        } else if rest != "[]" {
+            let path = names.iter().copied().chain([name]);
+            let path: Vec<&str> = path.filter(|name| !name.is_empty()).collect();
+            leaves.push((path.join("."), rest.to_owned()));
         }
     }
     leaves

@@ -28,7 +28,7 @@ struct Args {
     /// Coefficient set whose tables are examined; the example table without one
     #[arg(long)]
     set: Option<PathBuf>,
-    /// Only this function: place, bias, interval or update
+    /// Only this function: place, bias, interval, update, play or slow_part
     #[arg(long)]
     only: Option<String>,
     /// Time limit of a query \[s\]

@@ -13,11 +13,13 @@ use crate::proof::{Code, Problem};
 use crate::smt::{Answer, Solver, Verdict};
 use crate::spec::Spec;
 
-const SPECS: [(&str, &str); 4] = [
+const SPECS: [(&str, &str); 6] = [
     ("place", include_str!("../spec/place.smt2")),
     ("bias", include_str!("../spec/bias.smt2")),
     ("interval", include_str!("../spec/interval.smt2")),
     ("update", include_str!("../spec/update.smt2")),
+    ("play", include_str!("../spec/play.smt2")),
+    ("slow_part", include_str!("../spec/slow_part.smt2")),
 ];
 
 /// Times the limit for claims that take long.

@@ -4,7 +4,10 @@
 #![no_std]
 #![allow(unsafe_code, reason = "names that can be found again")]
 
-use tempco::{Interval, Table, Terms, Thermal, ThermalSettings, ThermalState};
+use tempco::{
+    History, HistoryState, Interval, Play, SlowPart, Table, Terms, Thermal, ThermalSettings,
+    ThermalState,
+};
 
 /// One update of the thermal path.
 #[unsafe(no_mangle)]
@@ -50,6 +53,30 @@ pub fn prove_bias(terms: &Terms, z: f32, rate_c_per_min: f32) -> f32 {
     terms.bias(z, rate_c_per_min)
 }
 
+/// A hysteresis term: how far the contact is behind.
+#[unsafe(no_mangle)]
+pub fn prove_play(
+    play: &History<1, 1>,
+    contact: &mut HistoryState<1, 0>,
+    interval: &Interval,
+    effective_c: f32,
+) -> f32 {
+    let [behind_c] = contact.update(play, interval, effective_c).plays_c;
+    behind_c
+}
+
+/// A second lag.
+#[unsafe(no_mangle)]
+pub fn prove_slow_part(
+    slow_part: &History<1, 0, 1>,
+    slow: &mut HistoryState<0, 1>,
+    interval: &Interval,
+    effective_c: f32,
+) -> f32 {
+    let [lag_c] = slow.update(slow_part, interval, effective_c).lags_c;
+    lag_c
+}
+
 const THERMAL: Thermal = match Thermal::new(ThermalSettings::DEFAULT) {
     Ok(thermal) => thermal,
     Err(_) => panic!(),
@@ -82,3 +109,40 @@ pub static PROVE_STATE: ThermalState = ThermalState::new(&THERMAL);
 /// An interval of a quarter of a second.
 #[unsafe(no_mangle)]
 pub static PROVE_INTERVAL: Interval = Interval::new(&THERMAL, 0.25);
+
+/// A slot of 6 degC.
+#[unsafe(no_mangle)]
+pub static PROVE_PLAY: History<1, 1> = match History::new(
+    60.0,
+    [Play {
+        half_width_c: 3.0,
+        gain: [0.5],
+    }],
+    [],
+) {
+    Ok(play) => play,
+    Err(_) => panic!(),
+};
+
+/// Its state as it is made.
+#[unsafe(no_mangle)]
+pub static PROVE_CONTACT: HistoryState<1, 0> = HistoryState::new(25.0);
+
+/// A part of 10 min.
+#[unsafe(no_mangle)]
+pub static PROVE_SLOW_PART: History<1, 0, 1> = match History::new(
+    60.0,
+    [],
+    [SlowPart {
+        tau_s: 600.0,
+        limit_c: 8.0,
+        gain: [0.5],
+    }],
+) {
+    Ok(part) => part,
+    Err(_) => panic!(),
+};
+
+/// Its state as it is made.
+#[unsafe(no_mangle)]
+pub static PROVE_SLOW: HistoryState<0, 1> = HistoryState::new(25.0);
