@@ -6,14 +6,14 @@ use anyhow::{Context, Result, ensure};
 use clap::ValueEnum;
 use tempco::ThermalSettings;
 use tempco_fit::Stretch;
-use tempco_fit::fit::{Fit, FitOptions, fit};
+use tempco_fit::fit::{Fit, FitOptions, States, fit};
 use tempco_fit::segment::{Overlap, Segmentation};
 use tempco_fit::set::{CoefficientSet, Model, table_rs, write_files};
 
 use crate::Verdict;
 use crate::batch;
 use crate::output::{figure, percent, print, table};
-use crate::set_tables::show_choice;
+use crate::set_tables::{show_choice, show_states};
 use crate::shared_args::LogArgs;
 
 /// Fit a coefficient set to one or more chamber logs of a unit
@@ -54,6 +54,11 @@ pub(crate) struct Args {
     /// fitted for spline and auto
     #[arg(long, allow_negative_numbers = true)]
     kappa: Option<f32>,
+    /// auto: a spline takes up to two plays (hysteresis) and a slow part (second lag) beside its
+    /// segments where they lower the error on soaks and ramps left out of the fit by more than one
+    /// standard error, in logs with ramps of two rates or more; none: never
+    #[arg(long, value_enum, default_value = "auto")]
+    states: StatesArg,
     /// Leave a stretch of log time out of the fit, in s, in every log (repeat)
     #[arg(long, value_name = "T1:T2", value_parser = stretch, allow_hyphen_values = true)]
     exclude: Vec<Stretch>,
@@ -81,6 +86,12 @@ enum ModelArg {
     Composite,
     Spline,
     Auto,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum StatesArg {
+    Auto,
+    None,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -115,6 +126,7 @@ pub(crate) fn run(args: &Args) -> Result<Verdict> {
     write_set(&args.out, &set)?;
 
     summarise(&set, args)?;
+    set.channels.iter().try_for_each(show_states)?;
     set.channels.iter().try_for_each(show_choice)?;
     for remark in &remarks {
         print(format_args!("remark: {remark}"))?;
@@ -150,6 +162,10 @@ fn options(args: &Args) -> FitOptions {
         },
         rate_tau_s: args.rate_tau,
         kappa: args.kappa,
+        states: match args.states {
+            StatesArg::Auto => States::Auto,
+            StatesArg::None => States::None,
+        },
         exclude: args.exclude.clone(),
         robust: !args.keep_outliers,
         scale_factor_arcsec: args.reading.scale_factor,

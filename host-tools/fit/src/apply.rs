@@ -4,7 +4,7 @@ use tempco::{Compensator, Interval, Status, Table, TableError};
 use thiserror::Error;
 
 use crate::log::Log;
-use crate::set::{ChannelSet, CoefficientSet, TableUse};
+use crate::set::{ChannelSet, CoefficientSet, TableUse, use_tables};
 
 /// The most axes a channel can have.
 const MAX_AXES: usize = 6;
@@ -126,7 +126,7 @@ fn run<const AXES: usize>(
         log,
         status: &mut applied.status,
     };
-    let axes = inputs.channel.table.use_table(0, task)?;
+    let axes = use_tables([&inputs.channel.table], task)?;
     applied.axes.extend(axes);
     Ok(())
 }
@@ -138,12 +138,12 @@ struct Run<'a, const AXES: usize> {
     status: &'a mut [Status],
 }
 
-impl<const AXES: usize> TableUse<AXES> for Run<'_, AXES> {
+impl<const AXES: usize> TableUse<1, AXES> for Run<'_, AXES> {
     type Output = [AxisOutput; AXES];
 
     fn with<const PLAYS: usize, const SLOW: usize>(
         self,
-        table: &Table<AXES, PLAYS, SLOW>,
+        [table]: &[Table<AXES, PLAYS, SLOW>; 1],
     ) -> Self::Output {
         let temps_c = self.inputs.temp_c;
         let mut unit = Compensator::new(table);

@@ -21,8 +21,9 @@ pub struct RoundingBound {
     pub evaluation: f64,
     /// Error of the place within the cell \[cells\].
     pub place: f64,
-    /// Error of the bias for the effective temperature: the polynomial's, and that of the place
-    /// times the steepest slope \[unit of the axis\].
+    /// Error of the bias for the effective temperature and the values of the earned states: the
+    /// polynomial's, that of the place times the steepest slope, and a product and a sum for each
+    /// state \[unit of the axis\].
     pub total: f64,
     /// How far from an edge between cells the neighbour may be evaluated instead \[degC\].
     pub edge_c: f64,
@@ -49,9 +50,29 @@ impl TableData {
             let evaluation = evaluation_error(terms, rate);
             let slope = slope(terms, rate, place);
             bound.evaluation = bound.evaluation.max(evaluation);
-            bound.total = bound.total.max((evaluation + slope * place) * SLACK);
+            let polynomial = Rounded {
+                most: bias_most(terms, rate),
+                error: (evaluation + slope * place) * SLACK,
+            };
+            let with_history = self
+                .history_most(axis)
+                .fold(polynomial, Rounded::plus_product);
+            bound.total = bound.total.max(with_history.error * SLACK);
         }
         bound
+    }
+
+    /// For each earned state, the largest products of gain and value: a play is within its slot, a
+    /// lag within its limit.
+    fn history_most(&self, axis: usize) -> impl Iterator<Item = f64> {
+        let product =
+            move |most_c: f32, gain: &[f32]| f64::from(most_c) * f64::from(gain[axis]).abs();
+        let plays = self.plays.iter();
+        let slow_parts = self.slow_parts.iter();
+        plays
+            // The contact is rounded to its place at the edge of the slot.
+            .map(move |play| product(play.half_width_c, &play.gain) * (1.0 + 1e-3))
+            .chain(slow_parts.map(move |part| product(part.limit_c, &part.gain)))
     }
 
     /// Width of a cell \[degC\].
@@ -108,6 +129,12 @@ impl Rounded {
         Self::new(self.most * most, self.error * most)
     }
 
+    /// The sum with a rounded product of exact numbers that is at most so large.
+    fn plus_product(self, most: f64) -> Self {
+        let product = Self::new(most, 0.0);
+        Self::new(self.most + most, self.error + product.error)
+    }
+
     /// The sum with an exact number, of a known magnitude.
     fn plus_exact(self, most: f64) -> Self {
         Self::new(most, self.error)
@@ -134,6 +161,11 @@ fn quadratic_most(a0: f64, a1: f64, a2: f64) -> f64 {
     } else {
         ends
     }
+}
+
+/// Largest magnitude of the bias for z from 0 to 1.
+fn bias_most([a0, a1, a2, r0, r1]: [f64; 5], rate: f64) -> f64 {
+    quadratic_most(a0, a1, a2) + rate * r0.abs().max((r0 + r1).abs())
 }
 
 /// Steepest slope per cell, also a little beyond its edges.

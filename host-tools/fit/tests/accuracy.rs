@@ -68,8 +68,19 @@ fn ratios(world: World, programme: Programme, model: Model) -> Ratios {
         );
         let chosen = set.channels[0].selection.as_ref().map(|s| &s.chosen);
         if let Some(c) = chosen {
-            println!("  {} {} tau {:.0} kappa {:.2} {:.2?} {:.0?} {}", c.model.name(), c.segments, c.tau_s, c.kappa, c.half_widths_c, c.slow_tau_s, c.columns);
-            for a in &set.channels[0].axes { println!("    {:?}", a.gains); }
+            println!(
+                "  {} {} tau {:.0} kappa {:.2} {:.2?} {:.0?} {}",
+                c.model.name(),
+                c.segments,
+                c.tau_s,
+                c.kappa,
+                c.half_widths_c,
+                c.slow_tau_s,
+                c.columns
+            );
+            for a in &set.channels[0].axes {
+                println!("    {:?}", a.gains);
+            }
         }
         for channel in &set.channels {
             let screening = channel.screening.as_ref().unwrap();

@@ -110,6 +110,8 @@ fn example_table() -> Result<TableData> {
         t_min_c: table.t_min_c(),
         t_max_c: table.t_max_c(),
         cells: cells.collect(),
+        plays: Vec::new(),
+        slow_parts: Vec::new(),
     };
     let terms = data.terms::<{ example::AXES }>(0);
     ensure!(

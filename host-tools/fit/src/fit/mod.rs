@@ -11,7 +11,10 @@ pub use error::FitError;
 use tempco::ThermalSettings;
 
 use crate::assemble;
-use crate::joint::{self, Blocks, Choice, Chosen, FixedLag, Question, RateForm, Spline};
+use crate::joint::{
+    self, Blocks, Candidate, Choice, Chosen, FixedLag, LEAST_RATES, Question, RateForm, Selection,
+    Spline,
+};
 use crate::log::Log;
 use crate::regress::{ChannelData, is_usable, with_every_rate};
 use crate::screen::{Screening, Stretch, screen};
@@ -210,10 +213,16 @@ fn fit_channel(
             model,
             segmentation,
         } => {
+            if model == Model::Static && options.model == Model::Auto {
+                remark_without_rates(data, remarks);
+            }
             let division = (&segmentation, options.overlap);
             segments::fit(data, options.thermal, model.terms(), division, remarks)?
         }
         Choice::Spline(spline) => {
+            if let (Some(selection), States::Auto) = (&selection, options.states) {
+                remark_on_states(data, &spline, selection, remarks);
+            }
             remark_on_rates(data, &spline, remarks);
             joint::fit(data, options.thermal, &spline)?
         }
@@ -245,16 +254,21 @@ fn remark_on_screening(data: &ChannelData, found: &Screening, remarks: &mut Vec<
     }
 }
 
+/// Says that no axis has rate terms.
+fn remark_without_rates(data: &ChannelData, remarks: &mut Vec<String>) {
+    remarks.push(format!(
+        "{}: not improvable by the rate of temperature, as far as these logs tell: the model has no \
+         rate terms and no lag shift (they are tried where the logs hold four soaks and ramps or \
+         more, at rates that differ)",
+        data.logs[0].channels[data.channel].column
+    ));
+}
+
 /// Says which axes are left without rate terms, and why.
 fn remark_on_rates(data: &ChannelData, spline: &Spline, remarks: &mut Vec<String>) {
     let channel = &data.logs[0].channels[data.channel];
     if spline.rate == RateForm::None {
-        remarks.push(format!(
-            "{}: not improvable by the rate of temperature, as far as these logs tell: the model \
-             has no rate terms and no lag shift (they are tried where the logs hold four soaks and \
-             ramps or more, at rates that differ)",
-            channel.column
-        ));
+        remark_without_rates(data, remarks);
         return;
     }
     let without = channel
@@ -267,6 +281,34 @@ fn remark_on_rates(data: &ChannelData, spline: &Spline, remarks: &mut Vec<String
             "axis {}: rate terms do not improve what was left out of the fit by more than one \
              standard error; dropped",
             axis.name
+        ));
+    }
+}
+
+/// Says why no states were tried, and which axes are left without those that were earned.
+fn remark_on_states(
+    data: &ChannelData,
+    spline: &Spline,
+    selection: &Selection,
+    remarks: &mut Vec<String>,
+) {
+    let channel = &data.logs[0].channels[data.channel];
+    let earned = !spline.shape.terms().is_empty();
+    let axes = channel.axes.iter().zip(&spline.axes);
+    for (axis, _) in axes.filter(|(_, with)| earned && !with.states) {
+        remarks.push(format!(
+            "axis {}: plays and slow part do not improve what was left out of the fit by more than \
+             one standard error; dropped",
+            axis.name
+        ));
+    }
+    let has_rate = |of: &Candidate| of.model == Model::Spline && of.rate_columns > 0;
+    let candidates = std::iter::once(&selection.chosen).chain(&selection.others);
+    if candidates.into_iter().any(has_rate) && selection.ramp_rates_c_per_min.len() < LEAST_RATES {
+        remarks.push(format!(
+            "{}: plays and slow part are not tried: all ramps are of one rate, which tells no \
+             hysteresis from a lag and no lag from another",
+            channel.column
         ));
     }
 }

@@ -14,8 +14,9 @@ const LEAST_WIDTH_C: f64 = 0.2;
 /// The widest play, as a share of the range of temperature.
 const MOST_WIDTH: f64 = 0.3;
 
-/// The slow part is slower than the rate estimator by this factor at least.
-const LEAST_SLOWNESS: f64 = 1.5;
+/// The slow part is slower than the rate estimator by this factor at least: one that is closer only
+/// bends the estimator's own lag, and costs accuracy after power-on.
+const LEAST_SLOWNESS: f64 = 3.0;
 
 /// The slowest part, and how many of its time constants a log must last.
 const MOST_TAU_S: f64 = 20_000.0;
@@ -40,11 +41,19 @@ pub(crate) struct Kind {
 
 impl Kind {
     /// Those that are tried, the simplest first.
-    pub(crate) fn all(with_slow_part: bool) -> Vec<Self> {
-        let kinds = [(1, false), (0, true), (2, false), (1, true), (2, true)];
-        let kinds = kinds.map(|(plays, slow_part)| Self { plays, slow_part });
-        let tried = kinds.into_iter().filter(|kind| with_slow_part || !kind.slow_part);
-        tried.collect()
+    pub(crate) const ALL: [Self; 5] = [
+        Self::of(1, false),
+        Self::of(0, true),
+        Self::of(2, false),
+        Self::of(1, true),
+        Self::of(2, true),
+    ];
+
+    /// What time constant and shift are searched with again.
+    pub(crate) const USUAL: Self = Self::of(1, true);
+
+    const fn of(plays: usize, slow_part: bool) -> Self {
+        Self { plays, slow_part }
     }
 }
 
@@ -52,7 +61,7 @@ impl Kind {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Bounds {
     pub(crate) half_width_c: (f64, f64),
-    /// None where no slow part can be told.
+    /// None where the logs are too short for a slow part.
     pub(crate) tau_s: Option<(f64, f64)>,
 }
 
@@ -61,11 +70,11 @@ impl Bounds {
     /// longest log.
     pub(crate) fn new(range_c: (f64, f64), tau_s: f64, longest_log_s: f64) -> Self {
         let slow = (
-            std::env::var("E_SLOW").map_or(LEAST_SLOWNESS, |v| v.parse().unwrap()) * tau_s,
+            LEAST_SLOWNESS * tau_s,
             MOST_TAU_S.min(longest_log_s / TAUS_PER_LOG),
         );
         Self {
-            half_width_c: (LEAST_WIDTH_C, std::env::var("E_WIDTH").map_or(MOST_WIDTH, |v| v.parse().unwrap()) * (range_c.1 - range_c.0)),
+            half_width_c: (LEAST_WIDTH_C, MOST_WIDTH * (range_c.1 - range_c.0)),
             tau_s: (slow.1 > slow.0).then_some(slow),
         }
     }
@@ -96,7 +105,9 @@ impl Bounds {
             .flat_map(|&width| near(width, self.half_width_c))
             .collect();
         widths.sort_by(f64::total_cmp);
-        let plays = widths.into_iter().map(|half_width_c| Term::Play { half_width_c });
+        let plays = widths
+            .into_iter()
+            .map(|half_width_c| Term::Play { half_width_c });
         let slow = shape.slow_tau_s.zip(self.tau_s).into_iter();
         let slow = slow.flat_map(|(tau_s, bounds)| near(tau_s, bounds));
         plays

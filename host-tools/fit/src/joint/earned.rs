@@ -12,8 +12,8 @@ use crate::joint::layout::Layout;
 use crate::joint::select::{Choice, Question, Spline, Tried};
 use crate::joint::states::{Shape, Term, block_states};
 
-/// A slow part takes ramps of this many rates: with one, its lag and that of the rate estimator
-/// cannot be told apart, and two free lags fit noise.
+/// States take ramps of this many rates. With one, what does not depend on the rate cannot be told
+/// from what does, nor one lag from another.
 pub(crate) const LEAST_RATES: usize = 2;
 
 impl Question<'_> {
@@ -26,6 +26,9 @@ impl Question<'_> {
         chosen: &Tried,
         others: &[Tried],
     ) -> Result<Option<Tried>, TableError> {
+        if folds.ramp_rates.len() < LEAST_RATES {
+            return Ok(None);
+        }
         let has_rate = |tried: &&Tried| matches!(&tried.choice, Choice::Spline(spline) if spline.rate != RateForm::None);
         // Those of the others come best first.
         let Some(start) = std::iter::once(chosen).chain(others).find(has_rate) else {
@@ -34,15 +37,14 @@ impl Question<'_> {
         let Choice::Spline(spline) = &start.choice else {
             return Ok(None);
         };
-        let with_slow_part = folds.ramp_rates.len() >= LEAST_RATES;
-        let Some(lag) = self.lag_with_states(spline, with_slow_part)? else {
+        let Some(lag) = self.lag_with_states(spline)? else {
             return Ok(None);
         };
         let regressors = self.regressors(lag.tau_s)?;
         let Some(columns) = Columns::new(self, &regressors, lag, spline) else {
             return Ok(None);
         };
-        let found = self.of_each_kind(folds, start, &columns, with_slow_part);
+        let found = self.of_each_kind(folds, start, &columns);
         let all_axes: Vec<usize> = (0..self.blocks.axes()).collect();
         let lowest = found
             .iter()
@@ -94,22 +96,14 @@ impl Question<'_> {
         Ok(spline.axes.iter().any(|axis| axis.states))
     }
 
-    /// Time constant and shift that go best with a play and, where it may be, a slow part: without
-    /// them, they stand in for them.
-    fn lag_with_states(
-        &self,
-        spline: &Spline,
-        with_slow_part: bool,
-    ) -> Result<Option<Lag>, TableError> {
-        let kind = Kind {
-            plays: 1,
-            slow_part: with_slow_part,
-        };
+    /// Time constant and shift that go best with a play and a slow part: without these, they stand
+    /// in for them. None where the logs are too short for the slow part.
+    fn lag_with_states(&self, spline: &Spline) -> Result<Option<Lag>, TableError> {
         let regressors = self.regressors(spline.lag.tau_s)?;
         let Some(columns) = Columns::new(self, &regressors, spline.lag, spline) else {
             return Ok(None);
         };
-        let Some(shape) = columns.shape(kind) else {
+        let Some(shape) = columns.shape(Kind::USUAL) else {
             return Ok(None);
         };
         // Quantiles of other temperatures might coincide.
@@ -131,15 +125,9 @@ impl Question<'_> {
     }
 
     /// The model with states of each kind that can be fitted, the simplest first.
-    fn of_each_kind(
-        &self,
-        folds: &Folds,
-        start: &Tried,
-        columns: &Columns,
-        with_slow_part: bool,
-    ) -> Vec<Tried> {
-        let kinds = Kind::all(with_slow_part).into_iter();
-        let shapes: Vec<(Kind, Shape)> = kinds
+    fn of_each_kind(&self, folds: &Folds, start: &Tried, columns: &Columns) -> Vec<Tried> {
+        let shapes: Vec<(Kind, Shape)> = Kind::ALL
+            .into_iter()
             .filter_map(|kind| Some((kind, columns.shape(kind)?)))
             .collect();
         // Without each fold the choice is from the first grid and from what was found on all data.

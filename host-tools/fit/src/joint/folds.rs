@@ -99,7 +99,10 @@ fn distinct(mut speeds: Vec<f64>) -> Vec<f64> {
     speeds.sort_by(f64::total_cmp);
     let mut found: Vec<f64> = Vec::new();
     for speed in speeds {
-        if found.last().is_none_or(|slowest| speed > SAME_RATE * slowest) {
+        if found
+            .last()
+            .is_none_or(|slowest| speed > SAME_RATE * slowest)
+        {
             found.push(speed);
         }
     }

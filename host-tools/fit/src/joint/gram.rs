@@ -85,7 +85,8 @@ impl Gram {
         let mut part = Self::new(columns.len(), self.targets.len());
         for (i, &from_i) in columns.iter().enumerate() {
             for (j, &from_j) in columns.iter().enumerate().skip(i) {
-                part.products[i * columns.len() + j] = self.products[from_i * self.columns + from_j];
+                part.products[i * columns.len() + j] =
+                    self.products[from_i * self.columns + from_j];
             }
         }
         for (to, from) in part.targets.iter_mut().zip(&self.targets) {
@@ -113,8 +114,11 @@ impl Gram {
                 *product -= taken[(i, j)];
             }
         }
-        for ((target, squares), whole) in
-            rest.targets.iter_mut().zip(&mut rest.squares).zip(&self.targets)
+        for ((target, squares), whole) in rest
+            .targets
+            .iter_mut()
+            .zip(&mut rest.squares)
+            .zip(&self.targets)
         {
             let before = DVector::from_column_slice(&whole[..first]);
             let taken = solved.transpose() * &before;

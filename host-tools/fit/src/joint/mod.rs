@@ -20,10 +20,11 @@ mod states;
 
 pub(crate) use basis::{Basis, RateForm, SparseRow, dot};
 pub(crate) use blocks::Blocks;
+pub(crate) use earned::LEAST_RATES;
 pub(crate) use fit::fit;
 pub(crate) use gram::Gram;
 pub(crate) use lag::FixedLag;
 pub use layout::Place;
 pub(crate) use select::{Choice, Chosen, Question, Spline};
-pub(crate) use states::Term;
 pub use selection::{Candidate, HeldOutErrors, Selection};
+pub(crate) use states::Term;

@@ -8,8 +8,8 @@ use crate::joint::crossval::HeldOut;
 use crate::joint::folds::{Folds, LEAST_FOLDS};
 use crate::joint::lag::{FixedLag, Lag, Regressors, search};
 use crate::joint::layout::{Layout, MOST_SEGMENTS, Place};
-use crate::joint::states::{Shape, block_states};
 use crate::joint::selection::{Candidate, HeldOutErrors, Selection};
+use crate::joint::states::{Shape, block_states};
 use crate::regress::ChannelData;
 use crate::rfactor::RFactor;
 use crate::segment::{Overlap, Segmentation};
@@ -307,7 +307,14 @@ impl Question<'_> {
                     .expect("uniform breakpoints ascend")
             };
             let none = Shape::default();
-            let found = search(self.data, self.blocks, &self.settings, self.fixed, &basis, &none)?;
+            let found = search(
+                self.data,
+                self.blocks,
+                &self.settings,
+                self.fixed,
+                &basis,
+                &none,
+            )?;
             lags.push((found.best, &all, vec![RateForm::Line, RateForm::Hats]));
             if self.fixed.kappa.is_none() {
                 lags.push((found.unshifted, &uniform, vec![RateForm::Line]));

@@ -188,8 +188,7 @@ mod tests {
             limit_c: NO_LIMIT_C,
             gain: [],
         };
-        let history =
-            History::<0, 2, 1>::new(60.0, [play(0.5), play(3.0)], [part]).unwrap();
+        let history = History::<0, 2, 1>::new(60.0, [play(0.5), play(3.0)], [part]).unwrap();
         let mut state = HistoryState::new(20.0);
         let shape = Shape {
             half_widths_c: vec![0.5, 3.0],

@@ -8,10 +8,10 @@ mod table;
 
 pub use axis::{AxisSet, AxisStatistics, CoefficientSigmas, GainSet, NoiseSet};
 pub use emit::{table_rs, write_files};
-pub use provenance::{Input, Provenance, SignOff};
 pub(crate) use history::level_history;
 pub use history::{PlayData, SlowPartData};
-pub use table::{TableData, TableUse};
+pub use provenance::{Input, Provenance, SignOff};
+pub use table::{TableData, TableUse, use_tables};
 
 use serde::{Deserialize, Serialize};
 
@@ -240,13 +240,14 @@ impl CoefficientSet {
                     ));
                 }
             }
-            let history = |channel: &ChannelSet| {
-                (channel.table.plays.len(), channel.table.slow_parts.len())
-            };
+            let history =
+                |channel: &ChannelSet| (channel.table.plays.len(), channel.table.slow_parts.len());
             if history(channel) != history(&self.channels[0]) {
-                return Err("the temperature channels have different numbers of plays or slow \
+                return Err(
+                    "the temperature channels have different numbers of plays or slow \
                             parts"
-                    .to_owned());
+                        .to_owned(),
+                );
             }
             channel
                 .table

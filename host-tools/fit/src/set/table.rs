@@ -1,7 +1,7 @@
 //! The table of a channel as data: what JSON holds, what the core borrows, what the CRC covers.
 
-use serde::{Deserialize, Serialize};
 use super::history::{MOST, PlayData, SlowPartData};
+use serde::{Deserialize, Serialize};
 use tempco::{Table, TableError, Terms, Thermal, ThermalSettings};
 
 /// CRC-32P4, which finds all errors of up to 5 bits in tables of up to 1024 bytes.
@@ -32,16 +32,66 @@ pub struct TableData {
     pub slow_parts: Vec<SlowPartData>,
 }
 
-/// Something to do with a table of the core, whatever its numbers of plays and slow parts.
-pub trait TableUse<const AXES: usize> {
+/// Something to do with the core's tables of some channels, whatever their numbers of plays and
+/// slow parts.
+pub trait TableUse<const CHANNELS: usize, const AXES: usize> {
     /// What comes of it.
     type Output;
 
     /// Does it.
     fn with<const PLAYS: usize, const SLOW: usize>(
         self,
-        table: &Table<AXES, PLAYS, SLOW>,
+        tables: &[Table<AXES, PLAYS, SLOW>; CHANNELS],
     ) -> Self::Output;
+}
+
+/// Makes the core's tables of all axes, with their history terms, and uses them.
+///
+/// # Errors
+/// What the core refuses.
+///
+/// # Panics
+/// If a table has fewer axes, or not as many history terms as the others, or more than a set may
+/// have.
+pub fn use_tables<const CHANNELS: usize, const AXES: usize, U: TableUse<CHANNELS, AXES>>(
+    data: [&TableData; CHANNELS],
+    task: U,
+) -> Result<U::Output, TableError> {
+    use_axes(data, 0, task)
+}
+
+/// The same for `AXES` axes from `first_axis` on.
+fn use_axes<const CHANNELS: usize, const AXES: usize, U: TableUse<CHANNELS, AXES>>(
+    data: [&TableData; CHANNELS],
+    first_axis: usize,
+    task: U,
+) -> Result<U::Output, TableError> {
+    let cells = data.map(|data| data.terms::<AXES>(first_axis));
+    let mut tables = Vec::with_capacity(CHANNELS);
+    for (data, cells) in data.iter().zip(&cells) {
+        tables.push(data.five_term_table(cells)?);
+    }
+    macro_rules! with_counts {
+        ($($plays:literal $slow_parts:literal),+) => {
+            match (data[0].plays.len(), data[0].slow_parts.len()) {
+                $(($plays, $slow_parts) => {
+                    let with_history = data.iter().zip(tables).map(|(data, table)| {
+                        let play = |i: usize| data.plays[i].play(first_axis);
+                        let part = |i: usize| data.slow_parts[i].slow_part(first_axis);
+                        table.with_history::<$plays, $slow_parts>(
+                            std::array::from_fn(play),
+                            std::array::from_fn(part),
+                        )
+                    });
+                    let tables: Vec<_> = with_history.collect::<Result<_, _>>()?;
+                    let tables = tables[..].try_into().expect("one for each channel");
+                    Ok(task.with::<$plays, $slow_parts>(tables))
+                })+
+                _ => unreachable!("a set has {MOST:?} history terms at most"),
+            }
+        };
+    }
+    with_counts!(0 0, 1 0, 2 0, 0 1, 1 1, 2 1)
 }
 
 /// Settings by name, in their order in the core.
@@ -79,37 +129,6 @@ impl TableData {
                 })
             })
             .collect()
-    }
-
-    /// Makes the core's table of `AXES` axes from the first of `axes` on, with its history terms,
-    /// and uses it.
-    ///
-    /// # Errors
-    /// What the core refuses.
-    ///
-    /// # Panics
-    /// If the table has fewer axes, or more history terms than a set may have.
-    pub fn use_table<const AXES: usize, U: TableUse<AXES>>(
-        &self,
-        first_axis: usize,
-        task: U,
-    ) -> Result<U::Output, TableError> {
-        let cells = self.terms::<AXES>(first_axis);
-        let table = self.five_term_table(&cells)?;
-        macro_rules! with_counts {
-            ($($plays:literal $slow_parts:literal),+) => {
-                match (self.plays.len(), self.slow_parts.len()) {
-                    $(($plays, $slow_parts) => {
-                        let plays = std::array::from_fn(|i| self.plays[i].play(first_axis));
-                        let part = |i: usize| self.slow_parts[i].slow_part(first_axis);
-                        let slow_parts = std::array::from_fn(part);
-                        Ok(task.with(&table.with_history::<$plays, $slow_parts>(plays, slow_parts)?))
-                    })+
-                    _ => unreachable!("a set has {MOST:?} history terms at most"),
-                }
-            };
-        }
-        with_counts!(0 0, 1 0, 2 0, 0 1, 1 1, 2 1)
     }
 
     /// The core's table over `cells` from [`terms`](Self::terms), without history terms.
@@ -153,8 +172,7 @@ impl TableData {
             return Err(format!("a play or slow part does not have {axes} gains"));
         }
         (0..axes).try_for_each(|axis| {
-            self.use_table::<1, _>(axis, Check)
-                .map_err(|error| error.to_string())
+            use_axes::<1, 1, _>([self], axis, Check).map_err(|error| error.to_string())
         })
     }
 
@@ -217,10 +235,10 @@ impl TableData {
 /// That the core accepts a table.
 struct Check;
 
-impl TableUse<1> for Check {
+impl TableUse<1, 1> for Check {
     type Output = ();
 
-    fn with<const PLAYS: usize, const SLOW: usize>(self, _: &Table<1, PLAYS, SLOW>) {}
+    fn with<const PLAYS: usize, const SLOW: usize>(self, _: &[Table<1, PLAYS, SLOW>; 1]) {}
 }
 
 /// CRC over the numbers of the tables: for each, the thermal settings, the four temperatures, the
