@@ -176,8 +176,9 @@ fn slope([_, a1, a2, _, r1]: [f64; 5], rate: f64, beyond: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::set::{PlayData, SlowPartData, TableUse, use_tables};
     use proptest::prelude::*;
-    use tempco::{ThermalPoint, ThermalSettings};
+    use tempco::{Compensator, HistoryState, Interval, Table, ThermalPoint, ThermalSettings};
 
     fn table(terms: [f32; 5], edges: (f32, f32), count: usize, rate: f32) -> TableData {
         let settings = ThermalSettings {
@@ -232,6 +233,62 @@ mod tests {
             prop_assert!((bias - polynomial(exact)).abs() <= bound.total);
             let point = ThermalPoint { effective_c, rate_c_per_min: rate, ..Default::default() };
             prop_assert_eq!(f64::from(core.bias(&point).0[0]), bias);
+        }
+    }
+
+    /// The bias of a compensator with states is within the bound of what its point and its states
+    /// make in exact arithmetic.
+    #[test]
+    fn earned_states_add_a_product_and_a_sum_each() {
+        let mut data = table([3.0, 0.1, -0.02, 0.5, 0.01], (-20.0, 80.0), 20, 5.0);
+        let without = data.rounding_bound(0).total;
+        data.plays = vec![PlayData {
+            half_width_c: 3.0,
+            gain: vec![0.7],
+        }];
+        data.slow_parts = vec![SlowPartData {
+            tau_s: 600.0,
+            limit_c: 20.0,
+            gain: vec![-0.3],
+        }];
+        let bound = data.rounding_bound(0).total;
+        assert!(bound > without + (3.0 * 0.7 + 20.0 * 0.3) * UNIT);
+        let worst = use_tables([&data], Measure(&data)).unwrap();
+        assert!(worst <= bound && worst > 0.02 * bound, "{worst} {bound}");
+    }
+
+    struct Measure<'a>(&'a TableData);
+
+    impl TableUse<1, 1> for Measure<'_> {
+        type Output = f64;
+
+        fn with<const PLAYS: usize, const SLOW: usize>(
+            self,
+            [core]: &[Table<1, PLAYS, SLOW>; 1],
+        ) -> f64 {
+            let mut unit = Compensator::new(core);
+            unit.start(20.0);
+            let interval = Interval::new(core.thermal(), 1.0);
+            let mut history = HistoryState::new(20.0);
+            let steps = (0..20_000).map(|i| {
+                let temp_c = 30.0 + 40.0 * (0.003 * i as f32).sin();
+                let out = unit.step(&interval, temp_c, [0.0]);
+                let past = history.update(core.history(), &interval, out.point.effective_c);
+                let u = f64::from(out.point.effective_c);
+                let exact = (u - f64::from(self.0.first_edge_c)) / self.0.cell_width_c();
+                let z = exact - core.place(out.point.effective_c).cell as f64;
+                let [a0, a1, a2, r0, r1] = self.0.cells[0][0].map(f64::from);
+                let rate = f64::from(out.point.rate_c_per_min);
+                let mut bias = a0 + z * (a1 + z * a2) + rate * (r0 + z * r1);
+                for (play, value) in core.history().plays().iter().zip(past.plays_c) {
+                    bias += f64::from(play.gain[0]) * f64::from(value);
+                }
+                for (part, value) in core.history().slow_parts().iter().zip(past.lags_c) {
+                    bias += f64::from(part.gain[0]) * f64::from(value);
+                }
+                (bias - f64::from(out.bias[0])).abs()
+            });
+            steps.fold(0.0, f64::max)
         }
     }
 

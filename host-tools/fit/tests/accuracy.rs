@@ -179,6 +179,12 @@ fn outliers_and_a_glitch_hardly_show() {
                 "{screening:?}"
             );
             let after = whole(&set, &judge);
+            if let Some(c) = set.channels[0].selection.as_ref().map(|s| &s.chosen) {
+                println!(
+                    "{} {} {:.2} {:?} {:?}",
+                    c.segments, c.tau_s, c.kappa, c.half_widths_c, c.slow_tau_s
+                );
+            }
             println!(
                 "{} {name}: {before:.3?} to {after:.3?} mdeg/h",
                 model.name()

@@ -29,6 +29,9 @@ const GRID_RATIO: f64 = 1.6;
 /// logarithm: after the last, they are 2 % apart.
 pub(crate) const REFINEMENTS: usize = 3;
 
+/// A term is at an end of the search within this share.
+const AT_END: f64 = 0.01;
+
 /// Two plays are told apart by half widths that differ by this factor at least.
 const PLAYS_APART: f64 = 1.4;
 
@@ -77,6 +80,17 @@ impl Bounds {
             half_width_c: (LEAST_WIDTH_C, MOST_WIDTH * (range_c.1 - range_c.0)),
             tau_s: (slow.1 > slow.0).then_some(slow),
         }
+    }
+
+    /// Whether all terms lie within the bounds: at an end of the search, nothing was found.
+    pub(crate) fn encloses(&self, shape: &Shape) -> bool {
+        let within = |value: f64, (low, high): (f64, f64)| {
+            value > low * (1.0 + AT_END) && value < high * (1.0 - AT_END)
+        };
+        let mut widths = shape.half_widths_c.iter();
+        let mut taus = shape.slow_tau_s.iter().zip(self.tau_s);
+        widths.all(|&width| within(width, self.half_width_c))
+            && taus.all(|(&tau_s, bounds)| within(tau_s, bounds))
     }
 
     /// The terms of the first grid, plays first.

@@ -7,7 +7,7 @@ use crate::joint::crossval::HeldOut;
 use crate::joint::earn::{Bounds, Kind, REFINEMENTS, best};
 use crate::joint::folds::Folds;
 use crate::joint::gram::Gram;
-use crate::joint::lag::{Lag, Regressors, search};
+use crate::joint::lag::{Lag, Regressors, Search};
 use crate::joint::layout::Layout;
 use crate::joint::select::{Choice, Question, Spline, Tried};
 use crate::joint::states::{Shape, Term, block_states};
@@ -97,14 +97,14 @@ impl Question<'_> {
     }
 
     /// Time constant and shift that go best with a play and a slow part: without these, they stand
-    /// in for them. None where the logs are too short for the slow part.
+    /// in for them. As they were where these are not found.
     fn lag_with_states(&self, spline: &Spline) -> Result<Option<Lag>, TableError> {
         let regressors = self.regressors(spline.lag.tau_s)?;
         let Some(columns) = Columns::new(self, &regressors, spline.lag, spline) else {
             return Ok(None);
         };
-        let Some(shape) = columns.shape(Kind::USUAL) else {
-            return Ok(None);
+        let Some((_, shape)) = columns.shapes(&[Kind::USUAL]).pop() else {
+            return Ok(Some(spline.lag));
         };
         // Quantiles of other temperatures might coincide.
         let layout = Layout::uniform(columns.basis.segments());
@@ -113,23 +113,20 @@ impl Question<'_> {
                 .basis(range_c, &[], spline.rate, self.blocks.logs())
                 .expect("uniform breakpoints ascend")
         };
-        let found = search(
-            self.data,
-            self.blocks,
-            &self.settings,
-            self.fixed,
-            &basis,
-            &shape,
-        )?;
-        Ok(Some(found.best))
+        let search = Search {
+            data: self.data,
+            blocks: self.blocks,
+            settings: &self.settings,
+            fixed: self.fixed,
+            layout: &basis,
+            shape: &shape,
+        };
+        Ok(Some(search.near(spline.lag.tau_s)?))
     }
 
     /// The model with states of each kind that can be fitted, the simplest first.
     fn of_each_kind(&self, folds: &Folds, start: &Tried, columns: &Columns) -> Vec<Tried> {
-        let shapes: Vec<(Kind, Shape)> = Kind::ALL
-            .into_iter()
-            .filter_map(|kind| Some((kind, columns.shape(kind)?)))
-            .collect();
+        let shapes = columns.shapes(&Kind::ALL);
         // Without each fold the choice is from the first grid and from what was found on all data.
         let mut terms = columns.bounds.grid();
         terms.extend(shapes.iter().flat_map(|(_, shape)| shape.terms()));
@@ -205,20 +202,36 @@ impl<'a> Columns<'a> {
             .grams(blocks, folds, &basis, self.lag.kappa, &states)
     }
 
-    /// The shape of least residual on all data.
-    fn shape(&self, kind: Kind) -> Option<Shape> {
-        let whole = Folds::whole(self.question.blocks);
-        let mut shape: Option<Shape> = None;
-        for pass in 0..=REFINEMENTS {
-            let terms = match &shape {
-                None => self.bounds.grid(),
-                Some(shape) => self.bounds.around(shape, pass),
-            };
-            let gram = &self.grams(&terms, &whole)[0];
-            let reduced = gram.reduced(self.basis.columns_without_states())?;
-            let found = best(&reduced, &terms, kind)?;
-            shape = Some(Shape::of(found.into_iter().map(|position| terms[position])));
+    /// The shape of least residual on all data, `start` being that of the first grid; none where it
+    /// lies at an end of the search.
+    fn refined(&self, kind: Kind, start: Shape) -> Option<Shape> {
+        let mut shape = start;
+        for pass in 1..=REFINEMENTS {
+            shape = self
+                .best_of(&self.bounds.around(&shape, pass), &[kind])
+                .pop()??;
         }
-        shape
+        self.bounds.encloses(&shape).then_some(shape)
+    }
+
+    /// The shapes of least residual on all data that `terms` make.
+    fn best_of(&self, terms: &[Term], kinds: &[Kind]) -> Vec<Option<Shape>> {
+        let whole = Folds::whole(self.question.blocks);
+        let gram = &self.grams(terms, &whole)[0];
+        let reduced = gram.reduced(self.basis.columns_without_states());
+        let of_kind = |&kind: &Kind| {
+            let found = best(reduced.as_ref()?, terms, kind)?;
+            Some(Shape::of(found.into_iter().map(|position| terms[position])))
+        };
+        kinds.iter().map(of_kind).collect()
+    }
+
+    /// The shapes of some kinds that are found within the bounds.
+    fn shapes(&self, kinds: &[Kind]) -> Vec<(Kind, Shape)> {
+        let starts = self.best_of(&self.bounds.grid(), kinds);
+        let found = kinds.iter().zip(starts);
+        found
+            .filter_map(|(&kind, start)| Some((kind, self.refined(kind, start?)?)))
+            .collect()
     }
 }

@@ -6,7 +6,7 @@ use crate::joint::basis::{Basis, RateForm, SparseRow};
 use crate::joint::blocks::Blocks;
 use crate::joint::crossval::HeldOut;
 use crate::joint::folds::{Folds, LEAST_FOLDS};
-use crate::joint::lag::{FixedLag, Lag, Regressors, search};
+use crate::joint::lag::{FixedLag, Lag, Regressors, Search};
 use crate::joint::layout::{Layout, MOST_SEGMENTS, Place};
 use crate::joint::selection::{Candidate, HeldOutErrors, Selection};
 use crate::joint::states::{Shape, block_states};
@@ -306,15 +306,15 @@ impl Question<'_> {
                     .basis(range_c, &sorted_c, RateForm::Line, logs)
                     .expect("uniform breakpoints ascend")
             };
-            let none = Shape::default();
-            let found = search(
-                self.data,
-                self.blocks,
-                &self.settings,
-                self.fixed,
-                &basis,
-                &none,
-            )?;
+            let search = Search {
+                data: self.data,
+                blocks: self.blocks,
+                settings: &self.settings,
+                fixed: self.fixed,
+                layout: &basis,
+                shape: &Shape::default(),
+            };
+            let found = search.everywhere()?;
             lags.push((found.best, &all, vec![RateForm::Line, RateForm::Hats]));
             if self.fixed.kappa.is_none() {
                 lags.push((found.unshifted, &uniform, vec![RateForm::Line]));
