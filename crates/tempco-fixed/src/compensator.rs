@@ -3,16 +3,74 @@
 use tempco::Status;
 
 use crate::format::INVALID;
+use crate::history::HistoryState;
 use crate::mask::{Mask, saturating_difference};
 use crate::{FixedInterval, FixedPoint, FixedTable, FixedThermalState};
+
+/// All state that the bias of a unit depends on.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct BiasState<const PLAYS: usize, const SLOW: usize> {
+    pub(crate) thermal: FixedThermalState,
+    history: HistoryState<PLAYS, SLOW>,
+}
+
+impl<const PLAYS: usize, const SLOW: usize> BiasState<PLAYS, SLOW> {
+    /// The state before any temperature was seen.
+    pub(crate) const fn new<const AXES: usize, const CELLS: usize>(
+        table: &FixedTable<AXES, CELLS, PLAYS, SLOW>,
+    ) -> Self {
+        Self {
+            thermal: FixedThermalState::new(table.thermal()),
+            history: HistoryState::new(table.thermal().reference),
+        }
+    }
+
+    /// Starts at the first temperature after power-on; there is no history yet, and it adds
+    /// nothing to the bias.
+    pub(crate) fn start<const AXES: usize, const CELLS: usize>(
+        &mut self,
+        table: &FixedTable<AXES, CELLS, PLAYS, SLOW>,
+        temp: i32,
+    ) -> FixedPoint {
+        let point = self.thermal.start(table.thermal(), temp);
+        self.history = HistoryState::new(point.effective);
+        point
+    }
+
+    /// Takes one temperature; the bias of every axis there, and all remarks.
+    #[inline]
+    pub(crate) fn update<const AXES: usize, const CELLS: usize>(
+        &mut self,
+        table: &FixedTable<AXES, CELLS, PLAYS, SLOW>,
+        interval: &FixedInterval,
+        temp: i32,
+    ) -> (FixedPoint, [i32; AXES], Status) {
+        let before = self.thermal.effective();
+        let point = self.thermal.update(table.thermal(), interval, temp);
+        let (mut bias, status) = table.bias(&point);
+        let history = table.history();
+        // Both are within 2^30 of zero.
+        let movement = point.effective - before;
+        self.history
+            .update(history, interval, point.effective, movement);
+        history.add(&self.history, point.effective, &mut bias);
+        (point, bias, status)
+    }
+}
 
 /// Compensates units whose temperature is sampled together with the gyro.
 ///
 /// Where the gyro runs faster than the temperature, use [`FixedTwoRate`](crate::FixedTwoRate).
 #[derive(Clone, Debug)]
-pub struct FixedCompensator<'t, const AXES: usize, const CELLS: usize> {
-    table: &'t FixedTable<AXES, CELLS>,
-    state: FixedThermalState,
+pub struct FixedCompensator<
+    't,
+    const AXES: usize,
+    const CELLS: usize,
+    const PLAYS: usize = 0,
+    const SLOW: usize = 0,
+> {
+    table: &'t FixedTable<AXES, CELLS, PLAYS, SLOW>,
+    state: BiasState<PLAYS, SLOW>,
 }
 
 /// A compensated sample with everything that led to it.
@@ -29,18 +87,20 @@ pub struct FixedOutput<const AXES: usize> {
     pub status: Status,
 }
 
-impl<'t, const AXES: usize, const CELLS: usize> FixedCompensator<'t, AXES, CELLS> {
+impl<'t, const AXES: usize, const CELLS: usize, const PLAYS: usize, const SLOW: usize>
+    FixedCompensator<'t, AXES, CELLS, PLAYS, SLOW>
+{
     /// A compensator that has not seen a temperature: it applies the constant bias.
-    pub const fn new(table: &'t FixedTable<AXES, CELLS>) -> Self {
+    pub const fn new(table: &'t FixedTable<AXES, CELLS, PLAYS, SLOW>) -> Self {
         Self {
             table,
-            state: FixedThermalState::new(table.thermal()),
+            state: BiasState::new(table),
         }
     }
 
     /// Starts at the first temperature after power-on \[2^-20 degC\], without ramping to it.
     pub fn start(&mut self, temp: i32) {
-        self.state.start(self.table.thermal(), temp);
+        self.state.start(self.table, temp);
     }
 
     /// Takes a temperature \[2^-20 degC\] and a gyro sample per axis \[2^exponent\], `interval`
@@ -58,14 +118,13 @@ impl<'t, const AXES: usize, const CELLS: usize> FixedCompensator<'t, AXES, CELLS
         temp: i32,
         raw: [i32; AXES],
     ) -> FixedOutput<AXES> {
-        let point = self.state.update(self.table.thermal(), interval, temp);
-        let (bias, status) = self.table.bias(&point);
+        let (point, bias, status) = self.state.update(self.table, interval, temp);
         subtract(raw, bias, point, status)
     }
 
     /// The state of the thermal path, for its counters.
     pub const fn thermal_state(&self) -> &FixedThermalState {
-        &self.state
+        &self.state.thermal
     }
 }
 

@@ -3,6 +3,7 @@
 use tempco::Status;
 
 use crate::format::round_u64;
+use crate::mask::Mask;
 use crate::settings::{FixedThermal, LEAST_SLEW, TICKS_PER_S};
 
 /// The time since the last thermal update, with the filter factors that follow from it; the
@@ -14,6 +15,8 @@ use crate::settings::{FixedThermal, LEAST_SLEW, TICKS_PER_S};
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct FixedInterval {
     pub(crate) ticks: i32,
+    /// The time, at most [`MOST_US`] \[2^-8 us\].
+    pub(crate) time: u64,
     /// `1 - exp(-dt / tau)` \[2^-64\]; all ones restart.
     pub(crate) alpha: u64,
     /// Rate per degree of lag \[2^-22 / min\].
@@ -25,11 +28,15 @@ pub struct FixedInterval {
     pub(crate) status: Status,
 }
 
+/// The longest time that is told from longer ones: 9.5 h, more than half of any time constant.
+const MOST_US: i64 = 1 << 35;
+
 impl FixedInterval {
     /// No time, or less than none: the rate stays what it was.
     pub(crate) const fn none(thermal: &FixedThermal) -> Self {
         Self {
             ticks: 0,
+            time: 0,
             alpha: 0,
             gain: thermal.gain,
             slew: 0,
@@ -51,7 +58,10 @@ impl FixedInterval {
         let used_s = if gap { thermal.longest_s } else { dt_s } as f64;
         let x = round_u64(used_s / thermal.tau_s as f64 * ((1_u128 << 64) as f64));
         let ticks = (dt_s * TICKS_PER_S + 0.5) as i32;
-        Self::from_parts(thermal, ticks, x, thermal.slew(used_s), gap)
+        let time = round_u64(dt_s as f64 * 256e6);
+        let most = (MOST_US as u64) << 8;
+        let time = if time < most { time } else { most };
+        Self::from_parts(thermal, (ticks, time), x, thermal.slew(used_s), gap)
     }
 
     /// The interval of `dt_us` \[us\], by integers alone; zero and negative ones count as no time.
@@ -60,9 +70,8 @@ impl FixedInterval {
     /// Does not depend on the data but for intervals that are not valid, which are shorter.
     #[inline]
     pub const fn from_micros(thermal: &FixedThermal, dt_us: i64) -> Self {
-        /// `2^28 / 10`; the product below fits for all times that i32 ticks can hold.
+        /// `2^28 / 10`; the product below fits for all times up to [`MOST_US`].
         const TICKS_PER_US: i64 = (1 << 28) / 10 + 1;
-        const MOST_US: i64 = i32::MAX as i64 * 10;
         if dt_us <= 0 {
             return Self::none(thermal);
         }
@@ -87,26 +96,27 @@ impl FixedInterval {
         } as i32;
         let slew = if slew < LEAST_SLEW { LEAST_SLEW } else { slew };
         let x = used_us.wrapping_mul(thermal.taus_per_us);
-        Self::from_parts(thermal, ticks as i32, x, slew, gap)
+        let time = (counted_us as u64) << 8;
+        Self::from_parts(thermal, (ticks as i32, time), x, slew, gap)
     }
 
     /// By the series of [`tempco::Interval`] in `x = dt / tau` \[2^-64\], at most 1/2.
     #[inline]
-    const fn from_parts(thermal: &FixedThermal, ticks: i32, x: u64, slew: i32, gap: bool) -> Self {
-        /// 1 with 31 fractional bits, the format of the series.
-        const ONE: u64 = 1 << 31;
-        /// `ONE - x / divisor * factor`; the reciprocal has 32 fractional bits.
-        const fn nest(x: u64, divisor: u64, factor: u64) -> u64 {
-            ONE - ((((x * factor) >> 31) * (((1 << 32) + divisor / 2) / divisor)) >> 32)
-        }
+    const fn from_parts(
+        thermal: &FixedThermal,
+        (ticks, time): (i32, u64),
+        x: u64,
+        slew: i32,
+        gap: bool,
+    ) -> Self {
         let narrow = x >> 33;
         let inner = nest(narrow, 4, nest(narrow, 5, ONE));
         let alpha_per_x = nest(narrow, 2, nest(narrow, 3, inner));
-        // x is below 2^63 and the factor at most 2^31, so neither part overflows.
-        let alpha = (x >> 32) * alpha_per_x * 2 + (((x & 0xffff_ffff) * alpha_per_x) >> 31);
+        let alpha = product(x, alpha_per_x);
         let gain = (thermal.gain as u64 * alpha_per_x + (ONE >> 1)) >> 31;
         Self {
             ticks,
+            time,
             alpha: if gap { u64::MAX } else { alpha },
             gain: if gap { 0 } else { gain as u32 },
             slew,
@@ -117,6 +127,53 @@ impl FixedInterval {
                 Status::OK
             },
         }
+    }
+}
+
+/// 1 with 31 fractional bits, the format of the series.
+const ONE: u64 = 1 << 31;
+
+/// `ONE - x / divisor * factor`; the reciprocal has 32 fractional bits.
+#[inline(always)]
+const fn nest(x: u64, divisor: u64, factor: u64) -> u64 {
+    ONE - ((((x * factor) >> 31) * (((1 << 32) + divisor / 2) / divisor)) >> 32)
+}
+
+/// `x factor`, both at most 1, in the format of `x` \[2^-64\]; wraps where it is 1.
+#[inline(always)]
+const fn product(x: u64, factor: u64) -> u64 {
+    let upper = ((x >> 32) * factor).wrapping_mul(2);
+    upper.wrapping_add(((x & 0xffff_ffff) * factor) >> 31)
+}
+
+/// A time constant of its own, no shorter than that of the settings.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub(crate) struct TimeConstant {
+    /// Time constants per 2^-8 us \[2^-64\].
+    per_time: u64,
+    /// Half of it \[2^-8 us\].
+    longest: u64,
+}
+
+impl TimeConstant {
+    pub(crate) const fn new(tau_s: f32) -> Self {
+        let tau = tau_s as f64 * 256e6;
+        Self {
+            per_time: round_u64((1_u128 << 64) as f64 / tau),
+            longest: round_u64(0.5 * tau),
+        }
+    }
+
+    /// `1 - exp(-dt / tau)` \[2^-64\] by the f32 core's series, and whether the interval is
+    /// longer than half the time constant, where that means nothing.
+    #[inline(always)]
+    pub(crate) const fn alpha(&self, interval: &FixedInterval) -> (u64, Mask) {
+        let x = interval.time.wrapping_mul(self.per_time);
+        let narrow = x >> 33;
+        let alpha = product(x, nest(narrow, 2, nest(narrow, 3, ONE)));
+        let gap = Mask::negative_wide(self.longest as i64 - interval.time as i64);
+        (alpha, gap)
     }
 }
 
@@ -161,6 +218,30 @@ mod tests {
                     );
                 }
             }
+        }
+    }
+
+    #[test]
+    fn other_time_constants_agree_with_the_exponential_and_know_their_gaps() {
+        let thermal = thermal(0.1);
+        for tau_s in [0.1_f32, 60.0, 1800.0, 60_000.0] {
+            let slower = TimeConstant::new(tau_s);
+            for share in [0.001, 0.05, 0.1, 0.3, 0.4999, 0.5001, 0.6, 1e6] {
+                let x = f64::from(tau_s) * share;
+                let by_us = FixedInterval::from_micros(&thermal, (x * 1e6).round() as i64);
+                for interval in [by_us, FixedInterval::new(&thermal, x as f32)] {
+                    let (alpha, gap) = slower.alpha(&interval);
+                    assert_eq!(gap.count() == 1, share > 0.5, "{share}, {tau_s} s");
+                    let error = alpha as f64 / (1_u128 << 64) as f64 / -(-share).exp_m1() - 1.0;
+                    let allowed = if share > 0.1 { 6.1e-3 } else { 5e-5 };
+                    assert!(
+                        share > 0.5 || error.abs() < allowed,
+                        "{error}, {share}, {tau_s} s"
+                    );
+                }
+            }
+            let none = slower.alpha(&FixedInterval::none(&thermal));
+            assert_eq!((none.0, none.1.count()), (0, 0));
         }
     }
 

@@ -112,6 +112,7 @@ mod conditioner;
 mod error;
 mod estimator;
 mod format;
+mod history;
 mod interval;
 mod mask;
 mod pulse;

@@ -117,11 +117,19 @@ pub(crate) const fn max(a: i32, b: i32) -> i32 {
     Mask::negative(a.wrapping_sub(b)).pick(b, a)
 }
 
-/// `value` limited to `-limit..=limit`, `limit` being positive.
+/// `value` limited to `-limit..=limit`, `limit` not being negative.
 #[inline(always)]
 pub(crate) const fn limit(value: i32, limit: i32) -> i32 {
     let value = Mask::less(limit, value).pick(limit, value);
     Mask::less(value, -limit).pick(-limit, value)
+}
+
+/// `value`, far from overflow, limited to `-limit..=limit`, `limit` not being negative.
+#[inline(always)]
+pub(crate) const fn limit_wide(value: i64, limit: i32) -> i32 {
+    let high = Mask::negative_wide(limit as i64 - value);
+    let low = Mask::negative_wide(value + limit as i64);
+    low.pick(-limit, high.pick(limit, value as i32))
 }
 
 /// The sum of two values that are not negative, or the largest value.
@@ -185,8 +193,11 @@ mod tests {
                     assert_eq!(saturating_sum(a, b), a.saturating_add(b));
                     assert_eq!((min(a, b), max(a, b)), (a.min(b), a.max(b)));
                 }
-                if b > 0 {
+                if b >= 0 {
                     assert_eq!(limit(a, b), a.clamp(-b, b));
+                    let wide = i64::from(a) << 3;
+                    let clamped = wide.clamp(-i64::from(b), b.into());
+                    assert_eq!(i64::from(limit_wide(wide, b)), clamped);
                 }
             }
         }

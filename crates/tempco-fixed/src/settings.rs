@@ -42,6 +42,10 @@ pub struct FixedThermal {
     pub(crate) gain: u32,
     /// Shift of the effective temperature per rate, `kappa tau` \[2^-23 min\].
     pub(crate) shift: i32,
+    /// The least share of the estimator's memory that it divides by \[2^-31\].
+    pub(crate) least_memory: i32,
+    /// What it multiplies by at most \[2^-24\].
+    pub(crate) most_correction: i32,
     /// The longest interval that does not restart the estimator \[us\].
     pub(crate) longest_us: u32,
     /// The same \[s\].
@@ -73,6 +77,12 @@ impl FixedThermal {
         // Rounded up: what the f32 core can just believe is believed.
         let slew_per_tick = (s.max_slew_c_per_min as f64 / 6e6 * power(40)) as i32 + 1;
         let anywhere = FURTHEST_C * power(40) / slew_per_tick as f64;
+        // As in the f32 core; 1 saturates to a last place less.
+        let least_memory = if s.tau_s > 60.0 {
+            60.0 / s.tau_s as f64
+        } else {
+            1.0
+        };
         Ok(Self {
             sensor_min: from_f32(s.sensor_min_c),
             sensor_max: from_f32(s.sensor_max_c),
@@ -90,6 +100,8 @@ impl FixedThermal {
             taus_per_us: round_u64(1e-6 / s.tau_s as f64 * power(32) * power(32)),
             gain: round_u64(60.0 / s.tau_s as f64 * power(22)) as u32,
             shift: round(s.kappa as f64 * s.tau_s as f64 / 60.0 * power(23)),
+            least_memory: round(least_memory * power(31)),
+            most_correction: round(power(24) / least_memory),
             longest_us: round_u64(0.5e6 * s.tau_s as f64) as u32,
             longest_s: thermal.longest_interval_s(),
             tau_s: s.tau_s,

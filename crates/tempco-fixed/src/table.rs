@@ -3,6 +3,7 @@
 use tempco::{Status, Table};
 
 use crate::format::{ONE, from_f32, power_of_two, round};
+use crate::history::{self, FixedHistory, full_scale};
 use crate::mask::{Mask, upper};
 use crate::{FixedError, FixedPoint, FixedThermal};
 
@@ -52,7 +53,12 @@ impl FixedTerms {
 /// };
 /// ```
 #[derive(Clone, Debug, PartialEq)]
-pub struct FixedTable<const AXES: usize, const CELLS: usize> {
+pub struct FixedTable<
+    const AXES: usize,
+    const CELLS: usize,
+    const PLAYS: usize = 0,
+    const SLOW: usize = 0,
+> {
     thermal: FixedThermal,
     first_edge: i32,
     t_min: i32,
@@ -65,6 +71,7 @@ pub struct FixedTable<const AXES: usize, const CELLS: usize> {
     exponents: [i32; AXES],
     error_bounds: [f64; AXES],
     cells: [[FixedTerms; AXES]; CELLS],
+    history: FixedHistory<AXES, PLAYS, SLOW>,
 }
 
 /// Exponents stay in this range, also where an axis is zero throughout.
@@ -78,13 +85,15 @@ const fn larger(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
 }
 
-impl<const AXES: usize, const CELLS: usize> FixedTable<AXES, CELLS> {
+impl<const AXES: usize, const CELLS: usize, const PLAYS: usize, const SLOW: usize>
+    FixedTable<AXES, CELLS, PLAYS, SLOW>
+{
     /// Converts a table, every axis with the finest last place its coefficients allow.
     ///
     /// # Errors
     /// Another number of cells than the type's, cells or rates beyond the formats, or
     /// coefficients beyond 1e18.
-    pub const fn new(table: &Table<'_, AXES>) -> Result<Self, FixedError> {
+    pub const fn new(table: &Table<'_, AXES, PLAYS, SLOW>) -> Result<Self, FixedError> {
         let mut exponents = [0; AXES];
         let mut axis = 0;
         while axis < AXES {
@@ -100,7 +109,7 @@ impl<const AXES: usize, const CELLS: usize> FixedTable<AXES, CELLS> {
     /// # Errors
     /// As [`new`](Self::new), and an exponent with which an axis's coefficients do not fit.
     pub const fn with_exponents(
-        table: &Table<'_, AXES>,
+        table: &Table<'_, AXES, PLAYS, SLOW>,
         exponents: [i32; AXES],
     ) -> Result<Self, FixedError> {
         let thermal = match FixedThermal::new(table.thermal()) {
@@ -121,13 +130,14 @@ impl<const AXES: usize, const CELLS: usize> FixedTable<AXES, CELLS> {
             t_min: from_f32(table.t_min_c()),
             t_max,
             cells_per_place: cells_per_place(table.cells_per_c(), t_max - first_edge, CELLS),
-            rate_shift: rate_shift(&thermal),
+            rate_shift: history::shift(fastest(&thermal)),
             exponents,
             error_bounds: [0.0; AXES],
             cells: [[FixedTerms {
                 a: [0; 3],
                 r: [0; 2],
             }; AXES]; CELLS],
+            history: FixedHistory::new(table.history(), &exponents),
         };
         let mut axis = 0;
         while axis < AXES {
@@ -142,7 +152,7 @@ impl<const AXES: usize, const CELLS: usize> FixedTable<AXES, CELLS> {
     }
 
     /// Fills in the cells of an axis and returns its error bound.
-    const fn convert_axis(&mut self, table: &Table<'_, AXES>, axis: usize) -> f64 {
+    const fn convert_axis(&mut self, table: &Table<'_, AXES, PLAYS, SLOW>, axis: usize) -> f64 {
         let last_place = power_of_two(self.exponents[axis]);
         let per_place = power_of_two(-self.exponents[axis]);
         let full_scale = full_scale(self.rate_shift);
@@ -168,7 +178,10 @@ impl<const AXES: usize, const CELLS: usize> FixedTable<AXES, CELLS> {
             per_rate = larger(per_rate, abs(r0) + abs(r1));
             cell += 1;
         }
-        8.0 * last_place + (2.0 * steepest + per_rate) / ONE
+        let past = table.history();
+        let terms = (PLAYS + SLOW) as f64;
+        (8.0 + 1.25 * terms) * last_place
+            + (2.0 * (steepest + history::gains(past, axis)) + per_rate) / ONE
     }
 
     /// The settings of the thermal path.
@@ -192,7 +205,12 @@ impl<const AXES: usize, const CELLS: usize> FixedTable<AXES, CELLS> {
         &self.error_bounds
     }
 
-    /// The bias of every axis at a thermal point, in the axis's last places.
+    pub(crate) const fn history(&self) -> &FixedHistory<AXES, PLAYS, SLOW> {
+        &self.history
+    }
+
+    /// The bias of every axis at a thermal point, in the axis's last places; without the terms of
+    /// the thermal history.
     ///
     /// # Timing
     /// No branch depends on the data.
@@ -236,28 +254,21 @@ const fn cells_per_place(per_c: f32, range: i32, cells: usize) -> u64 {
     }
 }
 
-/// How far a rate with 20 fractional bits is from a fraction with 31 of its full scale.
-const fn rate_shift(thermal: &FixedThermal) -> u32 {
-    let mut shift = 11;
-    loop {
-        let full_scale = 1_i64 << (31 - shift);
-        let fits =
-            (thermal.rate_max as i64) < full_scale && -(thermal.rate_min as i64) < full_scale;
-        if fits || shift == 0 {
-            return shift;
-        }
-        shift -= 1;
+/// The largest magnitude of a calibrated rate.
+const fn fastest(thermal: &FixedThermal) -> i32 {
+    if thermal.rate_max > -thermal.rate_min {
+        thermal.rate_max
+    } else {
+        -thermal.rate_min
     }
-}
-
-/// The full scale `R` of the rate \[degC/min\]: a power of two from 1 on.
-const fn full_scale(rate_shift: u32) -> f64 {
-    power_of_two(11 - rate_shift as i32)
 }
 
 /// The smallest exponent with which nothing in the evaluation of an axis overflows, and no bias
 /// exceeds 2^30 last places, so that two of them differ by less than an i32 holds.
-const fn finest_exponent<const AXES: usize>(table: &Table<'_, AXES>, axis: usize) -> i32 {
+const fn finest_exponent<const AXES: usize, const PLAYS: usize, const SLOW: usize>(
+    table: &Table<'_, AXES, PLAYS, SLOW>,
+    axis: usize,
+) -> i32 {
     let settings = table.thermal().settings();
     let fastest = larger(
         abs(settings.rate_min_c_per_min),
@@ -268,12 +279,13 @@ const fn finest_exponent<const AXES: usize>(table: &Table<'_, AXES>, axis: usize
     while full_scale <= fastest + 1.0 / ONE {
         full_scale *= 2.0;
     }
+    let past = history::peak(table.history(), axis);
     let mut peak = 0.0;
     let mut cell = 0;
     while cell < table.cells().len() {
         let [a0, a1, a2] = table.cells()[cell][axis].a;
         let [r0, r1] = table.cells()[cell][axis].r;
-        let bias = abs(a0) + abs(a1) + abs(a2) + full_scale * (abs(r0) + abs(r1));
+        let bias = abs(a0) + abs(a1) + abs(a2) + full_scale * (abs(r0) + abs(r1)) + past;
         peak = larger(peak, 2.0 * bias);
         peak = larger(peak, 4.0 * larger(abs(a2), full_scale * abs(r1)));
         cell += 1;

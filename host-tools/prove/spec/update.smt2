@@ -10,6 +10,10 @@
 (define-fun filter_bound () F32 ((_ to_fp 8 24) RNE 137438953472.0))
 (define-fun remainder_bound () F32 ((_ to_fp 8 24) RNE 8192.0))
 (define-fun effective_bound () F32 ((_ to_fp 8 24) RNE 2097152.0))
+(define-fun one () F32 ((_ to_fp 8 24) RNE 1.0))
+(define-fun memory_most () F32 ((_ to_fp 8 24) RNE 1.00000012))
+(define-fun memory_rest () F32 ((_ to_fp 8 24) RNE 0.00000012))
+(define-fun gain_most () F32 ((_ to_fp 8 24) RNE 128.0))
 (define-fun temp_bound () F32 ((_ to_fp 8 24) RNE 2048.0))
 ; Magnitudes that are kept as bits.
 (define-fun reach_c () F32 ((_ to_fp 8 24) |thermal.sensor_reach|))
@@ -27,6 +31,7 @@
   (within |thermal.settings.rate_max_c_per_min| zero c_1e4)
   (within |thermal.settings.reference_c| c_low c_1e3)
   (within |thermal.slew_c_per_tick| zero ((_ to_fp 8 24) RNE 0.001667))
+  (within |thermal.least_memory| ((_ to_fp 8 24) RNE 0.00999) one)
   (within |thermal.shift_min| zero ((_ to_fp 8 24) RNE 200.0))
   (ticks_within |thermal.hold_ticks| (_ bv0 32) (_ bv2000000000 32))
   (ticks_within |thermal.healing| (bvneg (_ bv2000000000 32)) (_ bv0 32))
@@ -45,6 +50,9 @@
   (= (bvand |interval.status| (bvnot (_ bv16 16))) (_ bv0 16)))
 
 ;@ define
+(define-fun memory_invariant ((value F32) (remainder F32)) Bool
+  (and (within value zero memory_most)
+       (within remainder (fp.neg memory_rest) memory_rest)))
 (define-fun invariant ((temp F32) (age (_ BitVec 32)) (filtered F32) (remainder F32)
                        (effective F32)) Bool
   (and
@@ -57,6 +65,12 @@
 ;@ assume state: the invariant, which ThermalState::new establishes
 (invariant |state.conditioner.temp_c| |state.conditioner.age| |state.estimator.filtered.value| |state.estimator.filtered.remainder|
            |state.effective_c|)
+
+;@ assume memory: the invariant of the estimator's memory, which RateEstimator::new establishes
+(memory_invariant |state.estimator.memory.value| |state.estimator.memory.remainder|)
+
+;@ assume gain: that of its gain
+(within |state.estimator.gain| one gain_most)
 
 ;@ define
 ; What the documentation says, in its own words.
@@ -81,7 +95,18 @@
   (ite (and taken anew) (fp.add RNE change_c |state.estimator.filtered.value|) |state.estimator.filtered.value|))
 (define-fun lag_c () F32
   (fp.sub RNE (fp.sub RNE |state'.conditioner.temp_c| filtered) |state.estimator.filtered.remainder|))
-(define-fun spec_rate () F32 (fp.mul RNE lag_c |interval.rate_gain_per_min|))
+(define-fun memory_lag () F32
+  (fp.sub RNE (fp.sub RNE one |state.estimator.memory.value|)
+    |state.estimator.memory.remainder|))
+(define-fun shared () F32
+  (ite (fp.gt |state'.estimator.memory.value| |thermal.least_memory|)
+    |state'.estimator.memory.value| |thermal.least_memory|))
+; One step of Newton's method for its reciprocal.
+(define-fun newton () F32
+  (fp.mul RNE |state.estimator.gain|
+    (fp.sub RNE ((_ to_fp 8 24) RNE 2.0) (fp.mul RNE shared |state.estimator.gain|))))
+(define-fun spec_rate () F32
+  (fp.mul RNE (fp.mul RNE lag_c |interval.rate_gain_per_min|) |state'.estimator.gain|))
 (define-fun spec_target () F32
   (ite lost |thermal.settings.reference_c|
     (fp.sub RNE |state'.conditioner.temp_c| (fp.mul RNE |thermal.shift_min| |rate_c_per_min'.value|))))
@@ -129,7 +154,30 @@
 ;@ claim flag_interval: INTERVAL_INVALID is that of the interval, and no other flag is ever set
 (= (bvand |status'.value| (bvnot (_ bv79 16))) |interval.status|)
 
-;@ claim rate: the rate is a number before it is limited
+;@ claim memory_equation abstract: the share of the memory follows the equations of the filter, for a step to 1
+(let ((increment (fp.add RNE |state.estimator.memory.remainder|
+                             (fp.mul RNE |interval.alpha| memory_lag))))
+  (and
+    (same |state'.estimator.memory.value| (fp.add RNE |state.estimator.memory.value| increment))
+    (same |state'.estimator.memory.remainder|
+      (fp.sub RNE increment
+        (fp.sub RNE |state'.estimator.memory.value| |state.estimator.memory.value|)))))
+
+;@ claim gain_equation abstract: a step of Newton's method, and at least 1
+(= |state'.estimator.gain| (ite (fp.gt newton one) newton one))
+
+;@ claim no_correction: with a time constant of 60 s or less, a gain of 1 stays
+(=> (and (= |thermal.least_memory| one) (= |state.estimator.gain| one)
+         (within |state'.estimator.memory.value| zero one))
+    (= |state'.estimator.gain| one))
+
+;@ claim kept_memory slow: the invariant of the memory is kept
+(memory_invariant |state'.estimator.memory.value| |state'.estimator.memory.remainder|)
+
+;@ claim kept_gain slow by gain_equation: the invariant of the gain is kept
+(within |state'.estimator.gain| one gain_most)
+
+;@ claim rate by kept_gain: the rate is a number before it is limited
 (finite spec_rate)
 
 ;@ claim flag_clamped abstract by far,near,change,rate: RATE_CLAMPED if and only if the rate left its range; the rate given is the nearest in range
