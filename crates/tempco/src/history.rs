@@ -141,7 +141,7 @@ impl<const AXES: usize, const PLAYS: usize, const SLOW: usize> History<AXES, PLA
 
     /// Adds the terms at `point` to the bias of every axis.
     #[inline(always)]
-    pub(crate) fn add(&self, point: &HistoryPoint<PLAYS, SLOW>, bias: &mut [f32; AXES]) {
+    pub fn add(&self, point: &HistoryPoint<PLAYS, SLOW>, bias: &mut [f32; AXES]) {
         for (play, &play_c) in self.plays.iter().zip(&point.plays_c) {
             for (bias, gain) in bias.iter_mut().zip(&play.gain) {
                 *bias += gain * play_c;

@@ -7,7 +7,7 @@ use clap::ValueEnum;
 use serde_json::json;
 use tempco::ThermalSettings;
 use tempco_fit::Stretch;
-use tempco_fit::fit::{Fit, FitOptions, fit_digests};
+use tempco_fit::fit::{Fit, FitOptions, States, fit_digests};
 use tempco_fit::log::ReadOptions;
 use tempco_fit::segment::{Overlap, Segmentation};
 use tempco_fit::set::{CoefficientSet, Model, table_bin, table_h, table_rs, write_files};
@@ -17,7 +17,7 @@ use crate::Verdict;
 use crate::batch;
 use crate::output::{figure, percent, print, table};
 use crate::report::{ensure_rereadable, fitted_logs, gather, write_figures};
-use crate::set_tables::show_choice;
+use crate::set_tables::{show_choice, show_states};
 use crate::shared_args::LogArgs;
 
 /// Name of the report beside the set.
@@ -62,6 +62,11 @@ pub(crate) struct Args {
     /// fitted for spline and auto
     #[arg(long, allow_negative_numbers = true)]
     kappa: Option<f32>,
+    /// auto: a spline takes up to two plays (hysteresis) and a slow part (second lag) beside its
+    /// segments where they lower the error on soaks and ramps left out of the fit by more than one
+    /// standard error, in logs with ramps of two rates or more; none: never
+    #[arg(long, value_enum, default_value = "auto")]
+    states: StatesArg,
     /// Leave a stretch of log time out of the fit, in s, in every log (repeat)
     #[arg(long, value_name = "T1:T2", value_parser = stretch, allow_hyphen_values = true)]
     exclude: Vec<Stretch>,
@@ -98,6 +103,12 @@ enum ModelArg {
     Composite,
     Spline,
     Auto,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum StatesArg {
+    Auto,
+    None,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -156,6 +167,7 @@ pub(crate) fn run(args: &Args) -> Result<Verdict> {
     } else {
         summarise(&set, args.tau)?;
         print(format_args!("wrote {}", files.join(", ")))?;
+        set.channels.iter().try_for_each(show_states)?;
         set.channels.iter().try_for_each(show_choice)?;
         for remark in &remarks {
             print(format_args!("remark: {remark}"))?;
@@ -208,6 +220,10 @@ fn options(args: &Args) -> FitOptions {
         },
         rate_tau_s: args.rate_tau,
         kappa: args.kappa,
+        states: match args.states {
+            StatesArg::Auto => States::Auto,
+            StatesArg::None => States::None,
+        },
         exclude: args.exclude.clone(),
         robust: !args.keep_outliers,
         scale_factor_arcsec: args.reading.scale_factor,

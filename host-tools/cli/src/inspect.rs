@@ -11,7 +11,7 @@ use tempco_fit::set::{ChannelSet, CoefficientSet, MISMATCH_ALARM};
 use crate::Verdict;
 use crate::image;
 use crate::output::{figure, print, table};
-use crate::set_tables::{show_choice, show_coverage};
+use crate::set_tables::{show_choice, show_coverage, show_states};
 
 /// Show a coefficient set: segments, ranges, mismatches, jumps, CRC, provenance
 ///
@@ -167,6 +167,7 @@ fn show_channel(channel: &ChannelSet) -> Result<()> {
     let header = ["axis", "segment", "a0", "a1", "a2", "a3", "a4"];
     print(table(&header, rows))?;
     show_sigmas(channel)?;
+    show_states(channel)?;
     show_coverage(&channel.segments)?;
     show_choice(channel)?;
 

@@ -1,11 +1,11 @@
 //! `tempco replay`: the same log through the firmware and through the host, bit by bit.
 
-use anyhow::{Context, Result, anyhow, ensure};
+use anyhow::{Result, anyhow, ensure};
 use clap::ValueEnum;
 use tempco::Table;
 use tempco_fit::apply::{ChannelInputs, inputs};
 use tempco_fit::log::Log;
-use tempco_fit::set::{CoefficientSet, table_rs, write_files};
+use tempco_fit::set::{CoefficientSet, TableData, TableUse, table_rs, use_tables, write_files};
 use tempco_qemu::{Board, Workspace, build, ensure_qemu, ensure_target_of, replay};
 use tempco_replay::{Header, Outcome, Record, Replay, Sample};
 
@@ -70,34 +70,46 @@ fn streams<const C: usize, const A: usize>(
     log: &Log,
     inputs: &[ChannelInputs],
 ) -> Result<Streams> {
-    let cells: Vec<_> = inputs
-        .iter()
-        .map(|input| input.channel.table.terms::<A>(0))
-        .collect();
-    let tables = inputs
-        .iter()
-        .zip(&cells)
-        .map(|(input, cells)| input.channel.table.table(cells))
-        .collect::<Result<Vec<Table<A>>, _>>()?;
-    let tables: &[Table<A>; C] = tables[..].try_into().context("channels of the set")?;
+    let data: Vec<&TableData> = inputs.iter().map(|input| &input.channel.table).collect();
+    let data: [&TableData; C] = data
+        .try_into()
+        .map_err(|_| anyhow!("channels of the set"))?;
+    use_tables::<C, A, _>(data, MakeStreams { set, log, inputs })?
+}
 
-    let mut host = Replay::<C, A>::new(tables);
-    let mut samples = Header::samples::<C, A>().encode().to_vec();
-    let mut expected = Header::outcomes::<C, A>(set.crc32()).encode().to_vec();
-    for (row, dt_s) in log.intervals_s().enumerate() {
-        let sample = Sample::<C, A> {
-            dt_s,
-            temps_c: std::array::from_fn(|channel| inputs[channel].temp_c[row]),
-            raw: std::array::from_fn(|channel| inputs[channel].row(row)),
-        };
-        append(&mut samples, &sample)?;
-        append(&mut expected, &host.step(&sample))?;
+/// Running the log through the host.
+struct MakeStreams<'a> {
+    set: &'a CoefficientSet,
+    log: &'a Log,
+    inputs: &'a [ChannelInputs<'a>],
+}
+
+impl<const C: usize, const A: usize> TableUse<C, A> for MakeStreams<'_> {
+    type Output = Result<Streams>;
+
+    fn with<const PLAYS: usize, const SLOW: usize>(
+        self,
+        tables: &[Table<A, PLAYS, SLOW>; C],
+    ) -> Self::Output {
+        let Self { set, log, inputs } = self;
+        let mut host = Replay::new(tables);
+        let mut samples = Header::samples::<C, A>().encode().to_vec();
+        let mut expected = Header::outcomes::<C, A>(set.crc32()).encode().to_vec();
+        for (row, dt_s) in log.intervals_s().enumerate() {
+            let sample = Sample::<C, A> {
+                dt_s,
+                temps_c: std::array::from_fn(|channel| inputs[channel].temp_c[row]),
+                raw: std::array::from_fn(|channel| inputs[channel].row(row)),
+            };
+            append(&mut samples, &sample)?;
+            append(&mut expected, &host.step(&sample))?;
+        }
+        Ok(Streams {
+            samples,
+            expected,
+            outcome_len: Outcome::<C, A>::LEN,
+        })
     }
-    Ok(Streams {
-        samples,
-        expected,
-        outcome_len: Outcome::<C, A>::LEN,
-    })
 }
 
 fn append<R: Record>(bytes: &mut Vec<u8>, record: &R) -> Result<()> {

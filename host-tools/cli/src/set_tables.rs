@@ -52,6 +52,44 @@ fn coverage(segments: &[SegmentSet]) -> Table {
     table(&header, rows)
 }
 
+/// Earned states with their gains; nothing where there are none.
+pub(crate) fn show_states(channel: &ChannelSet) -> Result<()> {
+    let plays = channel.table.plays.iter().map(|play| {
+        let width = format!("play, half width {} degC", figure(play.half_width_c.into()));
+        (width, play.half_width_c > 0.0)
+    });
+    let slow_parts = channel.table.slow_parts.iter().map(|part| {
+        let lag = format!(
+            "slow part, tau {} s, lag up to {} degC",
+            figure(part.tau_s.into()),
+            figure(part.limit_c.into())
+        );
+        (lag, part.limit_c > 0.0)
+    });
+    let terms: Vec<(String, bool)> = plays.chain(slow_parts).collect();
+    let mut rows = Vec::new();
+    for axis in &channel.axes {
+        let gains = terms.iter().zip(&axis.gains);
+        for ((term, _), gain) in gains.filter(|((_, used), _)| *used) {
+            let [value, sigma] = match gain.sigma {
+                0.0 => ["-".to_owned(), "-".to_owned()],
+                sigma => [format!("{:+.3e}", gain.gain), format!("{sigma:.1e}")],
+            };
+            rows.push(vec![
+                format!("{} [{}]", axis.name, axis.unit),
+                term.clone(),
+                value,
+                sigma,
+            ]);
+        }
+    }
+    if rows.is_empty() {
+        return Ok(());
+    }
+    print("\nEarned states: bias per degC that the part is behind")?;
+    print(table(&["axis", "state", "gain", "1 sigma"], rows))
+}
+
 /// Runner-ups that are shown; the set holds all.
 const SHOWN: usize = 6;
 
@@ -100,6 +138,7 @@ pub(crate) fn show_choice(channel: &ChannelSet) -> Result<()> {
             "terms",
             "tau",
             "kappa",
+            "states",
             "above best",
             "s.e.",
         ];
@@ -117,7 +156,23 @@ fn candidate((mark, of): (&str, &Candidate)) -> Vec<String> {
         of.columns.to_string(),
         format!("{:.0} s", of.tau_s),
         format!("{:.2}", of.kappa),
+        states(of),
         format!("{:.2} %", 100.0 * of.excess),
         format!("{:.2} %", 100.0 * of.excess_sigma),
     ]
+}
+
+/// Half widths and time constant of the states, such as `3 degC + 4500 s`.
+fn states(of: &Candidate) -> String {
+    let plays = of
+        .half_widths_c
+        .iter()
+        .map(|&width| format!("{} degC", figure(width)));
+    let slow = of.slow_tau_s.map(|tau_s| format!("{tau_s:.0} s"));
+    let all: Vec<String> = plays.chain(slow).collect();
+    if all.is_empty() {
+        "-".to_owned()
+    } else {
+        all.join(" + ")
+    }
 }

@@ -1,10 +1,10 @@
 //! Applies a set to a log by running the core over it.
 
-use tempco::{Compensator, Interval, Status, TableError};
+use tempco::{Compensator, Interval, Status, Table, TableError};
 use thiserror::Error;
 
 use crate::log::Log;
-use crate::set::{ChannelSet, CoefficientSet};
+use crate::set::{ChannelSet, CoefficientSet, TableUse, use_tables};
 
 /// The most axes a channel can have.
 const MAX_AXES: usize = 6;
@@ -121,25 +121,46 @@ fn run<const AXES: usize>(
     log: &Log,
     applied: &mut Applied,
 ) -> Result<(), ApplyError> {
-    let data = &inputs.channel.table;
-    let cells = data.terms::<AXES>(0);
-    let table = data.table(&cells)?;
-    let mut unit = Compensator::new(&table);
-    unit.start(inputs.temp_c[0]);
-
-    let mut axes: [AxisOutput; AXES] = std::array::from_fn(|_| AxisOutput::default());
-    for (row, (dt_s, &temp_c)) in log.intervals_s().zip(inputs.temp_c).enumerate() {
-        let raw = inputs.row::<AXES>(row);
-        let out = unit.step(&Interval::new(table.thermal(), dt_s), temp_c, raw);
-        for (axis, output) in axes.iter_mut().enumerate() {
-            output.raw.push(raw[axis]);
-            output.bias.push(out.bias[axis]);
-            output.compensated.push(out.compensated[axis]);
-        }
-        applied.status[row] |= out.status;
-    }
+    let task = Run::<AXES> {
+        inputs,
+        log,
+        status: &mut applied.status,
+    };
+    let axes = use_tables([&inputs.channel.table], task)?;
     applied.axes.extend(axes);
     Ok(())
+}
+
+/// Running the rows of a channel through the compensator.
+struct Run<'a, const AXES: usize> {
+    inputs: &'a ChannelInputs<'a>,
+    log: &'a Log,
+    status: &'a mut [Status],
+}
+
+impl<const AXES: usize> TableUse<1, AXES> for Run<'_, AXES> {
+    type Output = [AxisOutput; AXES];
+
+    fn with<const PLAYS: usize, const SLOW: usize>(
+        self,
+        [table]: &[Table<AXES, PLAYS, SLOW>; 1],
+    ) -> Self::Output {
+        let temps_c = self.inputs.temp_c;
+        let mut unit = Compensator::new(table);
+        unit.start(temps_c[0]);
+        let mut axes: [AxisOutput; AXES] = std::array::from_fn(|_| AxisOutput::default());
+        for (row, (dt_s, &temp_c)) in self.log.intervals_s().zip(temps_c).enumerate() {
+            let raw = self.inputs.row::<AXES>(row);
+            let out = unit.step(&Interval::new(table.thermal(), dt_s), temp_c, raw);
+            for (axis, output) in axes.iter_mut().enumerate() {
+                output.raw.push(raw[axis]);
+                output.bias.push(out.bias[axis]);
+                output.compensated.push(out.compensated[axis]);
+            }
+            self.status[row] |= out.status;
+        }
+        axes
+    }
 }
 
 /// A set cannot be applied to a log.

@@ -2,13 +2,13 @@
 
 use tempco::ThermalSettings;
 
-use crate::joint::Selection;
+use crate::joint::{Selection, Term};
 use crate::model::AxisModel;
 use crate::screen::Screening;
 use crate::segment::{Overlap, Segmentation};
 use crate::set::{
-    AxisSet, ChannelSet, CoefficientSet, FORMAT_VERSION, Provenance, SegmentSet, Settings,
-    TableData,
+    AxisSet, ChannelSet, CoefficientSet, FORMAT_VERSION, PlayData, Provenance, SegmentSet,
+    Settings, SlowPartData, TableData,
 };
 use crate::tabulate::tabulate;
 
@@ -17,6 +17,9 @@ pub(crate) struct Fitted {
     pub(crate) temperature: String,
     pub(crate) segments: Vec<SegmentSet>,
     pub(crate) axes: Vec<AxisSet>,
+    /// Earned states, each with its largest value in the fit \[degC\]; their gains are with the
+    /// axes.
+    pub(crate) history: Vec<(Term, f32)>,
     pub(crate) screening: Option<Screening>,
     pub(crate) selection: Option<Selection>,
 }
@@ -42,6 +45,7 @@ pub(crate) fn channel(
         f64::from(thermal.rate_max_c_per_min),
     );
     let cells = tabulate(segmentation, &models, rates);
+    let (plays, slow_parts) = history(&fitted);
     let (first_edge_c, last_edge_c) = segmentation.range_c();
     let (first_edge_c, last_edge_c) = (first_edge_c as f32, last_edge_c as f32);
     ChannelSet {
@@ -64,6 +68,8 @@ pub(crate) fn channel(
                     cell.iter().map(numbers).collect()
                 })
                 .collect(),
+            plays,
+            slow_parts,
         },
         axes: fitted.axes,
         table_deviation: cells.deviation,
@@ -73,13 +79,35 @@ pub(crate) fn channel(
     }
 }
 
+/// The earned states as the core has them.
+fn history(fitted: &Fitted) -> (Vec<PlayData>, Vec<SlowPartData>) {
+    let (mut plays, mut slow_parts) = (Vec::new(), Vec::new());
+    for (position, &(term, most_c)) in fitted.history.iter().enumerate() {
+        let axes = fitted.axes.iter();
+        let gain = axes.map(|axis| axis.gains[position].gain as f32).collect();
+        match term {
+            Term::Play { half_width_c } => plays.push(PlayData {
+                half_width_c: half_width_c as f32,
+                gain,
+            }),
+            Term::SlowPart { tau_s } => slow_parts.push(SlowPartData {
+                tau_s: tau_s as f32,
+                limit_c: most_c,
+                gain,
+            }),
+        }
+    }
+    (plays, slow_parts)
+}
+
 /// Puts the channels together and seals them with the CRC.
 pub(crate) fn set(
     serial: String,
     provenance: Provenance,
     settings: Settings,
-    channels: Vec<ChannelSet>,
+    mut channels: Vec<ChannelSet>,
 ) -> CoefficientSet {
+    crate::set::level_history(&mut channels);
     let mut set = CoefficientSet {
         format: "tempco-coefficients".to_owned(),
         format_version: FORMAT_VERSION,

@@ -91,11 +91,13 @@ pub(crate) fn static_coefficients(path: &Path, text: &str) -> Result<Coefficient
                     unit: AxisUnit::PulsesPerS,
                     polynomials,
                     sigmas: Vec::new(),
+                    gains: Vec::new(),
                     noise: None,
                     held_out: None,
                     statistics: None,
                 })
                 .collect(),
+            history: Vec::new(),
             screening: None,
             selection: None,
         },

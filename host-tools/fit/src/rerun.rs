@@ -11,7 +11,7 @@ use thiserror::Error;
 use crate::apply::{ApplyError, AxisOutput};
 use crate::log::{Chunk, LogError, LogStream, ReadOptions};
 use crate::regress::with_every_rate;
-use crate::set::{ChannelSet, CoefficientSet};
+use crate::set::{ChannelSet, CoefficientSet, TableUse, use_tables};
 
 /// A log and what is known of it from the first reading.
 #[derive(Clone, Debug)]
@@ -57,15 +57,24 @@ pub fn rerun(
 ) -> Result<(), RerunError> {
     let mut stream = LogStream::open(&log.path, options)?;
     let inputs = columns(set, log, &stream, options)?;
+    let task = Rerun {
+        inputs: &inputs,
+        interval_s: log.interval_s,
+        stream: &mut stream,
+        sink: &mut sink,
+    };
     macro_rules! run_for {
-        ($($axes:literal)+) => {
-            match set.channels[0].axes.len() {
-                $($axes => run::<$axes>(set, &inputs, log.interval_s, &mut stream, &mut sink)?,)+
-                axes => unreachable!("a set has 1 to 6 axes, not {axes}"),
+        ($($channels:literal of $axes:literal),+) => {
+            match (set.channels.len(), set.channels[0].axes.len()) {
+                $(($channels, $axes) => {
+                    let tables = std::array::from_fn(|channel| &set.channels[channel].table);
+                    use_tables::<$channels, $axes, _>(tables, task)??;
+                })+
+                _ => unreachable!("a set has 1 to 6 axes in channels of equally many"),
             }
         };
     }
-    run_for!(1 2 3 4 5 6);
+    run_for!(1 of 1, 1 of 2, 1 of 3, 1 of 4, 1 of 5, 1 of 6, 2 of 1, 2 of 2, 2 of 3, 3 of 1, 3 of 2, 4 of 1, 5 of 1, 6 of 1);
     match stream.sha256() {
         Some(found) if found == log.sha256 => Ok(()),
         _ => Err(RerunError::Changed(log.path.clone())),
@@ -123,54 +132,61 @@ fn columns(
     set.channels.iter().map(of_channel).collect()
 }
 
-fn run<const AXES: usize>(
-    set: &CoefficientSet,
-    inputs: &[Columns],
+/// Reading the log and running its rows through a compensator for each channel.
+struct Rerun<'a, S> {
+    inputs: &'a [Columns],
     interval_s: f64,
-    stream: &mut LogStream,
-    sink: &mut impl FnMut(&Answers, u64),
-) -> Result<(), RerunError> {
-    let cells: Vec<_> = set.channels.iter().map(|c| c.table.terms(0)).collect();
-    let tables = set.channels.iter().zip(&cells);
-    let tables: Vec<Table<AXES>> = tables
-        .map(|(channel, cells)| channel.table.table(cells))
-        .collect::<Result<_, _>>()?;
-    let mut units = tables
-        .iter()
-        .map(Unit::new)
-        .collect::<Result<Vec<_>, _>>()?;
-    let mut last_s = None;
-    let mut answers = Answers::default();
-    while let Some(chunk) = stream.next_chunk()? {
-        let intervals_s: Vec<f32> = chunk
-            .time_s
+    stream: &'a mut LogStream,
+    sink: &'a mut S,
+}
+
+impl<const CHANNELS: usize, const AXES: usize, S: FnMut(&Answers, u64)> TableUse<CHANNELS, AXES>
+    for Rerun<'_, S>
+{
+    type Output = Result<(), RerunError>;
+
+    fn with<const PLAYS: usize, const SLOW: usize>(
+        self,
+        tables: &[Table<AXES, PLAYS, SLOW>; CHANNELS],
+    ) -> Self::Output {
+        let mut units = tables
             .iter()
-            .map(|&time_s| last_s.replace(time_s).map_or(interval_s, |l| time_s - l) as f32)
-            .collect();
-        answers.time_s.clone_from(&chunk.time_s);
-        answers.status = vec![Status::OK; chunk.rows()];
-        answers.channels = units
-            .iter_mut()
-            .zip(inputs)
-            .map(|(unit, columns)| unit.answer(columns, &chunk, &intervals_s, &mut answers.status))
-            .collect();
-        sink(&answers, stream.bytes_read());
+            .map(Unit::new)
+            .collect::<Result<Vec<_>, _>>()?;
+        let mut last_s = None;
+        let mut answers = Answers::default();
+        while let Some(chunk) = self.stream.next_chunk()? {
+            let since_last_s = |time_s: f64| {
+                let last_s = last_s.replace(time_s);
+                last_s.map_or(self.interval_s, |last_s| time_s - last_s) as f32
+            };
+            let intervals_s: Vec<f32> = chunk.time_s.iter().copied().map(since_last_s).collect();
+            answers.time_s.clone_from(&chunk.time_s);
+            answers.status = vec![Status::OK; chunk.rows()];
+            let status = &mut answers.status;
+            answers.channels = units
+                .iter_mut()
+                .zip(self.inputs)
+                .map(|(unit, columns)| unit.answer(columns, &chunk, &intervals_s, status))
+                .collect();
+            (self.sink)(&answers, self.stream.bytes_read());
+        }
+        Ok(())
     }
-    Ok(())
 }
 
 /// A channel in the course of a log.
-struct Unit<'t, const AXES: usize> {
-    core: Compensator<'t, AXES>,
-    table: &'t Table<'t, AXES>,
+struct Unit<'t, const AXES: usize, const PLAYS: usize, const SLOW: usize> {
+    core: Compensator<'t, AXES, PLAYS, SLOW>,
+    table: &'t Table<'t, AXES, PLAYS, SLOW>,
     /// The thermal path without limits of the rate.
     open: tempco::Thermal,
     state: ThermalState,
     started: bool,
 }
 
-impl<'t, const AXES: usize> Unit<'t, AXES> {
-    fn new(table: &'t Table<'t, AXES>) -> Result<Self, TableError> {
+impl<'t, const AXES: usize, const PLAYS: usize, const SLOW: usize> Unit<'t, AXES, PLAYS, SLOW> {
+    fn new(table: &'t Table<'t, AXES, PLAYS, SLOW>) -> Result<Self, TableError> {
         let open = with_every_rate(*table.thermal().settings())?;
         Ok(Self {
             core: Compensator::new(table),

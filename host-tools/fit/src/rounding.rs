@@ -21,8 +21,9 @@ pub struct RoundingBound {
     pub evaluation: f64,
     /// Error of the place within the cell \[cells\].
     pub place: f64,
-    /// Error of the bias for the effective temperature: the polynomial's, and that of the place
-    /// times the steepest slope \[unit of the axis\].
+    /// Error of the bias for the effective temperature and the values of the earned states: the
+    /// polynomial's, that of the place times the steepest slope, and a product and a sum for each
+    /// state \[unit of the axis\].
     pub total: f64,
     /// How far from an edge between cells the neighbour may be evaluated instead \[degC\].
     pub edge_c: f64,
@@ -49,9 +50,29 @@ impl TableData {
             let evaluation = evaluation_error(terms, rate);
             let slope = slope(terms, rate, place);
             bound.evaluation = bound.evaluation.max(evaluation);
-            bound.total = bound.total.max((evaluation + slope * place) * SLACK);
+            let polynomial = Rounded {
+                most: bias_most(terms, rate),
+                error: (evaluation + slope * place) * SLACK,
+            };
+            let with_history = self
+                .history_most(axis)
+                .fold(polynomial, Rounded::plus_product);
+            bound.total = bound.total.max(with_history.error * SLACK);
         }
         bound
+    }
+
+    /// For each earned state, the largest products of gain and value: a play is within its slot, a
+    /// lag within its limit.
+    fn history_most(&self, axis: usize) -> impl Iterator<Item = f64> {
+        let product =
+            move |most_c: f32, gain: &[f32]| f64::from(most_c) * f64::from(gain[axis]).abs();
+        let plays = self.plays.iter();
+        let slow_parts = self.slow_parts.iter();
+        plays
+            // The contact is rounded to its place at the edge of the slot.
+            .map(move |play| product(play.half_width_c, &play.gain) * (1.0 + 1e-3))
+            .chain(slow_parts.map(move |part| product(part.limit_c, &part.gain)))
     }
 
     /// Width of a cell \[degC\].
@@ -108,6 +129,12 @@ impl Rounded {
         Self::new(self.most * most, self.error * most)
     }
 
+    /// The sum with a rounded product of exact numbers that is at most so large.
+    fn plus_product(self, most: f64) -> Self {
+        let product = Self::new(most, 0.0);
+        Self::new(self.most + most, self.error + product.error)
+    }
+
     /// The sum with an exact number, of a known magnitude.
     fn plus_exact(self, most: f64) -> Self {
         Self::new(most, self.error)
@@ -136,6 +163,11 @@ fn quadratic_most(a0: f64, a1: f64, a2: f64) -> f64 {
     }
 }
 
+/// Largest magnitude of the bias for z from 0 to 1.
+fn bias_most([a0, a1, a2, r0, r1]: [f64; 5], rate: f64) -> f64 {
+    quadratic_most(a0, a1, a2) + rate * r0.abs().max((r0 + r1).abs())
+}
+
 /// Steepest slope per cell, also a little beyond its edges.
 fn slope([_, a1, a2, _, r1]: [f64; 5], rate: f64, beyond: f64) -> f64 {
     a1.abs().max((a1 + 2.0 * a2).abs()) + 2.0 * beyond * a2.abs() + rate * r1.abs()
@@ -144,8 +176,9 @@ fn slope([_, a1, a2, _, r1]: [f64; 5], rate: f64, beyond: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::set::{PlayData, SlowPartData, TableUse, use_tables};
     use proptest::prelude::*;
-    use tempco::{ThermalPoint, ThermalSettings};
+    use tempco::{Compensator, HistoryState, Interval, Table, ThermalPoint, ThermalSettings};
 
     fn table(terms: [f32; 5], edges: (f32, f32), count: usize, rate: f32) -> TableData {
         let settings = ThermalSettings {
@@ -160,6 +193,8 @@ mod tests {
             t_min_c: edges.0,
             t_max_c: edges.1,
             cells: vec![vec![terms]; count],
+            plays: Vec::new(),
+            slow_parts: Vec::new(),
         }
     }
 
@@ -181,7 +216,7 @@ mod tests {
             let table = table(terms, (first, first + span), count, rate);
             let bound = table.rounding_bound(0);
             let cells = table.terms::<1>(0);
-            let core = table.table(&cells).unwrap();
+            let core = table.five_term_table(&cells).unwrap();
             let effective_c = (first + span * at).min(table.t_max_c);
             let rate = rate * share;
             let place = core.place(effective_c);
@@ -198,6 +233,62 @@ mod tests {
             prop_assert!((bias - polynomial(exact)).abs() <= bound.total);
             let point = ThermalPoint { effective_c, rate_c_per_min: rate, ..Default::default() };
             prop_assert_eq!(f64::from(core.bias(&point).0[0]), bias);
+        }
+    }
+
+    /// The bias of a compensator with states is within the bound of what its point and its states
+    /// make in exact arithmetic.
+    #[test]
+    fn earned_states_add_a_product_and_a_sum_each() {
+        let mut data = table([3.0, 0.1, -0.02, 0.5, 0.01], (-20.0, 80.0), 20, 5.0);
+        let without = data.rounding_bound(0).total;
+        data.plays = vec![PlayData {
+            half_width_c: 3.0,
+            gain: vec![0.7],
+        }];
+        data.slow_parts = vec![SlowPartData {
+            tau_s: 600.0,
+            limit_c: 20.0,
+            gain: vec![-0.3],
+        }];
+        let bound = data.rounding_bound(0).total;
+        assert!(bound > without + (3.0 * 0.7 + 20.0 * 0.3) * UNIT);
+        let worst = use_tables([&data], Measure(&data)).unwrap();
+        assert!(worst <= bound && worst > 0.02 * bound, "{worst} {bound}");
+    }
+
+    struct Measure<'a>(&'a TableData);
+
+    impl TableUse<1, 1> for Measure<'_> {
+        type Output = f64;
+
+        fn with<const PLAYS: usize, const SLOW: usize>(
+            self,
+            [core]: &[Table<1, PLAYS, SLOW>; 1],
+        ) -> f64 {
+            let mut unit = Compensator::new(core);
+            unit.start(20.0);
+            let interval = Interval::new(core.thermal(), 1.0);
+            let mut history = HistoryState::new(20.0);
+            let steps = (0..20_000).map(|i| {
+                let temp_c = 30.0 + 40.0 * (0.003 * i as f32).sin();
+                let out = unit.step(&interval, temp_c, [0.0]);
+                let past = history.update(core.history(), &interval, out.point.effective_c);
+                let u = f64::from(out.point.effective_c);
+                let exact = (u - f64::from(self.0.first_edge_c)) / self.0.cell_width_c();
+                let z = exact - core.place(out.point.effective_c).cell as f64;
+                let [a0, a1, a2, r0, r1] = self.0.cells[0][0].map(f64::from);
+                let rate = f64::from(out.point.rate_c_per_min);
+                let mut bias = a0 + z * (a1 + z * a2) + rate * (r0 + z * r1);
+                for (play, value) in core.history().plays().iter().zip(past.plays_c) {
+                    bias += f64::from(play.gain[0]) * f64::from(value);
+                }
+                for (part, value) in core.history().slow_parts().iter().zip(past.lags_c) {
+                    bias += f64::from(part.gain[0]) * f64::from(value);
+                }
+                (bias - f64::from(out.bias[0])).abs()
+            });
+            steps.fold(0.0, f64::max)
         }
     }
 

@@ -4,14 +4,14 @@
 //! taken as constant: what the rows leave beside the mean of their block is the same with and
 //! without compensation.
 
-use tempco::TableError;
+use tempco::{HistoryState, Table, TableError};
 
 use crate::digest::Moments;
 use crate::joint::{Block, Blocks, SamplePoints};
 use crate::regress::ChannelData;
 use crate::rfactor::RFactor;
 use crate::segment::Segment;
-use crate::set::{AxisStatistics, CoefficientSet, TableData};
+use crate::set::{AxisStatistics, CoefficientSet, TableData, TableUse, use_axis};
 
 /// Degrees of freedom that the spread of means must have to scale uncertainties: it is then known
 /// to 22 %.
@@ -81,18 +81,47 @@ fn biases(
     data: &ChannelData,
     blocks: &Blocks,
 ) -> Result<Vec<f64>, TableError> {
-    table.with_axis(axis, |table| {
-        let points = SamplePoints::new(data, table.thermal());
-        let mean = |block| {
+    use_axis(table, axis, BlockBiases { data, blocks })
+}
+
+/// Running the samples of all logs through the table of an axis.
+struct BlockBiases<'a> {
+    data: &'a ChannelData<'a>,
+    blocks: &'a Blocks,
+}
+
+impl TableUse<1, 1> for BlockBiases<'_> {
+    type Output = Vec<f64>;
+
+    fn with<const PLAYS: usize, const SLOW: usize>(
+        self,
+        [table]: &[Table<1, PLAYS, SLOW>; 1],
+    ) -> Vec<f64> {
+        let points = SamplePoints::new(self.data, table.thermal());
+        let of_log = |log: usize| {
+            let points = points.of_log(log);
+            let start_c = points.first().map_or(0.0, |first| first.point.effective_c);
+            let mut history = HistoryState::new(start_c);
+            let bias = points.iter().map(|sample| {
+                let effective_c = sample.point.effective_c;
+                let past = history.update(table.history(), &sample.interval, effective_c);
+                let (mut bias, _) = table.bias(&sample.point);
+                table.history().add(&past, &mut bias);
+                f64::from(bias[0])
+            });
+            bias.collect()
+        };
+        let biases: Vec<Vec<f64>> = (0..points.logs()).map(of_log).collect();
+        let mean = |block: &Block| {
             let (mut sum, mut rows) = (0.0, 0.0);
-            for (sample, kept) in points.of_block(block) {
-                sum += kept * f64::from(table.bias(&sample.point).0[0]);
-                rows += kept;
+            for kept in points.of_block(block) {
+                sum += kept.rows * biases[block.log][kept.sample];
+                rows += kept.rows;
             }
             sum / rows
         };
-        blocks.blocks.iter().map(mean).collect()
-    })
+        self.blocks.blocks.iter().map(mean).collect()
+    }
 }
 
 /// Sums of squares over several logs, each about its own mean.

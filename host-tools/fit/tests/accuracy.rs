@@ -46,6 +46,18 @@ fn geometric_mean(values: &[f64]) -> f64 {
     (values.iter().map(|v| v.ln()).sum::<f64>() / values.len() as f64).exp()
 }
 
+/// What was chosen.
+fn description(set: &CoefficientSet) -> String {
+    let channel = &set.channels[0];
+    channel.selection.as_ref().map_or_else(String::new, |selection| {
+        let of = &selection.chosen;
+        format!(
+            "{} segments, {} columns, tau {:.0} s, kappa {:.2}, plays {:.2?} degC, slow part {:.0?} s",
+            of.segments, of.columns, of.tau_s, of.kappa, of.half_widths_c, of.slow_tau_s
+        )
+    })
+}
+
 /// Ratios of the errors of `model` to the paper's composite, over three units of three axes.
 struct Ratios {
     mean: f64,
@@ -66,6 +78,7 @@ fn ratios(world: World, programme: Programme, model: Model) -> Ratios {
             train.log.file,
             model.name()
         );
+        println!("  {}", description(&set));
         for channel in &set.channels {
             let screening = channel.screening.as_ref().unwrap();
             assert_eq!((screening.spike_rows, screening.disturbed_rows), (0, 0));
@@ -102,42 +115,43 @@ fn ratios(world: World, programme: Programme, model: Model) -> Ratios {
     ratios
 }
 
+/// `spline` and `auto` agree in what they choose here, and auto takes longer.
 #[test]
-fn outside_the_family_the_error_is_less_than_half_of_the_composites() {
-    for model in [Model::Spline, Model::Auto] {
-        let full = ratios(World::Full, Programme::ManyRates, model);
-        assert!(full.mean <= 0.45 && full.worst <= 0.75);
-        let lagged = ratios(World::Lagged, Programme::ManyRates, model);
-        assert!(lagged.mean <= 0.45 && lagged.worst <= 0.80);
-    }
+fn outside_the_family_the_error_is_little_more_than_a_third_of_the_composites() {
+    let full = ratios(World::Full, Programme::ManyRates, Model::Auto);
+    assert!(full.mean <= 0.38 && full.worst <= 0.75);
+    assert!(full.first_minutes <= 1.0);
+    let lagged = ratios(World::Lagged, Programme::ManyRates, Model::Auto);
+    assert!(lagged.mean <= 0.45 && lagged.worst <= 0.80);
+    assert!(lagged.first_minutes <= 1.0);
 }
 
+/// Play and slow part are all that is left of such a unit beside its random walk. Just after
+/// power-on in the middle of a ramp they are not known, and a model without them, whose rate terms
+/// stand in for them, does better.
 #[test]
-fn a_smooth_unit_with_short_lags_is_limited_by_its_random_walk() {
-    assert!(ratios(World::Smooth, Programme::ManyRates, Model::Spline).mean <= 1.0);
+fn a_smooth_unit_with_short_lags_gains_by_its_history() {
+    assert!(ratios(World::Smooth, Programme::ManyRates, Model::Spline).mean <= 0.8);
     assert!(ratios(World::Smooth, Programme::OneRate, Model::Spline).mean <= 1.05);
 }
 
 #[test]
 fn one_rate_does_not_mislead() {
-    assert!(ratios(World::Full, Programme::OneRate, Model::Spline).mean <= 0.8);
+    let ratios = ratios(World::Full, Programme::OneRate, Model::Spline);
+    assert!(ratios.mean <= 0.6 && ratios.worst <= 0.8 && ratios.first_minutes <= 1.0);
 }
 
 #[test]
 fn on_the_papers_own_form_nothing_is_lost() {
-    for model in [Model::Spline, Model::Auto] {
-        assert!(ratios(World::Paper, Programme::ManyRates, model).worst <= 1.05);
-    }
+    let ratios = ratios(World::Paper, Programme::ManyRates, Model::Auto);
+    assert!(ratios.worst <= 1.05 && ratios.first_minutes <= 1.0);
 }
 
-/// One row in a hundred 20 sigma too high, or ten minutes 0.5 deg/h too high.
-#[test]
-fn outliers_and_a_glitch_hardly_show() {
-    let clean = simulate(World::Full, Programme::ManyRates, 1, 1);
-    let judge = simulate(World::Full, Programme::Verification, 1, 2);
+/// A run with one row in a hundred 20 sigma too high, and one with ten minutes 0.5 deg/h too high.
+fn disturbed(unit: u64) -> [(&'static str, Run, usize); 2] {
     let mut random = Random::new(77);
-    let mut spiky = simulate(World::Full, Programme::ManyRates, 1, 1);
-    let mut disturbed = simulate(World::Full, Programme::ManyRates, 1, 1);
+    let [mut spiky, mut glitch] =
+        [(); 2].map(|()| simulate(World::Full, Programme::ManyRates, unit, 1));
     for axis in &mut spiky.log.channels[0].axes {
         for raw in &mut axis.raw {
             *raw += if random.uniform() < 0.01 {
@@ -147,26 +161,44 @@ fn outliers_and_a_glitch_hardly_show() {
             };
         }
     }
-    for axis in &mut disturbed.log.channels[0].axes {
+    for axis in &mut glitch.log.channels[0].axes {
         axis.raw[40_000..40_600]
             .iter_mut()
             .for_each(|raw| *raw += 0.5);
     }
+    [("spikes", spiky, 3000), ("glitch", glitch, 600)]
+}
+
+/// Over two units: whether a unit earns states is a matter of one standard error, and may turn on
+/// which rows are left out.
+#[test]
+fn outliers_and_a_glitch_hardly_show() {
+    let runs = [1, 2].map(|unit| {
+        let clean = simulate(World::Full, Programme::ManyRates, unit, 1);
+        let judge = simulate(World::Full, Programme::Verification, unit, 2);
+        (clean, judge, disturbed(unit))
+    });
     for model in [Model::Static, Model::Composite, Model::Spline] {
-        let before = whole(&fitted(model, &clean), &judge);
-        for (name, run, least) in [("spikes", &spiky, 3000), ("glitch", &disturbed, 600)] {
-            let set = fitted(model, run);
-            let screening = set.channels[0].screening.as_ref().unwrap();
-            assert!(
-                screening.spike_rows + screening.disturbed_rows >= least,
-                "{screening:?}"
-            );
-            let after = whole(&set, &judge);
-            println!(
-                "{} {name}: {before:.3?} to {after:.3?} mdeg/h",
-                model.name()
-            );
-            let growth: Vec<f64> = after.iter().zip(&before).map(|(a, b)| a / b).collect();
+        let mut growth = [Vec::new(), Vec::new()];
+        for (clean, judge, disturbed) in &runs {
+            let before = whole(&fitted(model, clean), judge);
+            for ((name, run, least), growth) in disturbed.iter().zip(&mut growth) {
+                let set = fitted(model, run);
+                let screening = set.channels[0].screening.as_ref().unwrap();
+                assert!(
+                    screening.spike_rows + screening.disturbed_rows >= *least,
+                    "{screening:?}"
+                );
+                let after = whole(&set, judge);
+                println!(
+                    "{} {name}: {before:.3?} to {after:.3?} mdeg/h; {}",
+                    model.name(),
+                    description(&set)
+                );
+                growth.extend(after.iter().zip(&before).map(|(a, b)| a / b));
+            }
+        }
+        for growth in growth {
             assert!(geometric_mean(&growth) < 1.05, "{growth:?}");
         }
     }
@@ -197,6 +229,6 @@ fn a_fit_of_a_hundred_thousand_rows_takes_a_third_of_a_second() {
         let _ = fitted(model, &run);
         let time = clock.elapsed();
         println!("{}: {} rows in {time:.0?}", model.name(), run.log.rows());
-        assert!(time.as_secs_f64() < 3.0);
+        assert!(time.as_secs_f64() < 5.0);
     }
 }

@@ -110,10 +110,12 @@ fn example_table() -> Result<TableData> {
         t_min_c: table.t_min_c(),
         t_max_c: table.t_max_c(),
         cells: cells.collect(),
+        plays: Vec::new(),
+        slow_parts: Vec::new(),
     };
     let terms = data.terms::<{ example::AXES }>(0);
     ensure!(
-        data.table(&terms)? == *table,
+        data.five_term_table(&terms)? == *table,
         "the example's edges are elsewhere"
     );
     Ok(data)

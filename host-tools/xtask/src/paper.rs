@@ -37,11 +37,12 @@ mod tests {
             let [without, with] = outcome.jumps[axis];
             assert!(with < 0.7 * without, "{axis}: {without} {with}");
             // In the variable-temperature run the static model is about useless.
-            let [raw, of_static, composite] = outcome.table_3[axis];
+            let [raw, of_static, composite, auto] = outcome.table_3[axis];
             assert!((of_static / raw - 1.0).abs() < 0.2, "{axis}");
             assert!(composite < 0.75 * raw, "{axis}");
+            assert!(auto < 1.02 * composite, "{axis}: {composite} {auto}");
         }
-        let [raw, _, composite] = outcome.table_3[0];
+        let [raw, _, composite, _] = outcome.table_3[0];
         let improvement = 1.0 - composite / raw;
         assert!((0.55..0.75).contains(&improvement), "{improvement}");
     }

@@ -55,7 +55,9 @@ pub fn digest_file(
     for (columns, channel) in stream.channels().iter().zip(&mut channels) {
         channel.column.clone_from(&stream.header()[columns.temp]);
         for (axis, (_, column)) in columns.axes.iter().enumerate() {
-            let (factor, unit) = column.unit.in_axis_unit(interval_s, options.scale_factor_arcsec);
+            let (factor, unit) = column
+                .unit
+                .in_axis_unit(interval_s, options.scale_factor_arcsec);
             channel.scale(axis, factor);
             channel.axes.push(AxisName {
                 name: column.name.clone(),

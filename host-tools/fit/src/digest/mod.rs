@@ -102,6 +102,8 @@ pub(crate) struct AxisName {
 /// The core's point at a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct SamplePoint {
+    /// Since the sample before.
+    pub(crate) interval: Interval,
     pub(crate) point: ThermalPoint,
     /// Rows that may enter a fit.
     pub(crate) kept: f64,
@@ -124,6 +126,7 @@ impl ChannelDigest {
             let interval = Interval::new(thermal, (sample.time_s - last_s) as f32);
             last_s = sample.time_s;
             SamplePoint {
+                interval,
                 point: state.update(thermal, &interval, sample.temp_c),
                 kept: sample.kept.into(),
             }

@@ -237,7 +237,7 @@ fn regressors_from_samples_are_as_good_as_those_from_rows() {
             let row = [1.0, u, square, moments.rate, product];
             of_rows.push_mean(moments.rows, row.into_iter().chain(raw()), within());
             let mut row = [0.0; 5];
-            for SamplePoint { point, kept } in &points[block.samples.clone()] {
+            for SamplePoint { point, kept, .. } in &points[block.samples.clone()] {
                 let (u, rate) = (z(point.effective_c.into()), f64::from(point.rate_c_per_min));
                 for (sum, value) in row.iter_mut().zip([1.0, u, u * u, rate, u * rate]) {
                     *sum += kept / rows * value;

@@ -3,12 +3,12 @@
 use tempco::ThermalSettings;
 
 use crate::assemble::{self, Fitted};
-use crate::joint::{HeldOutErrors, Selection};
+use crate::joint::{HeldOutErrors, Selection, Term};
 use crate::model::Polynomial;
 use crate::regress::ChannelData;
 use crate::screen::Screening;
 use crate::segment::{Overlap, Segmentation};
-use crate::set::{AxisSet, ChannelSet, CoefficientSigmas, NoiseSet, SegmentSet};
+use crate::set::{AxisSet, ChannelSet, CoefficientSigmas, GainSet, NoiseSet, SegmentSet};
 
 /// A fitted channel before its table is made.
 pub(crate) struct ChannelFit {
@@ -27,6 +27,10 @@ pub(crate) struct ChannelFit {
     pub(crate) sigmas: Vec<Vec<CoefficientSigmas>>,
     /// By axis, where `sigmas` account for it.
     pub(crate) noises: Vec<Option<NoiseSet>>,
+    /// Earned states, each with its largest value in the kept rows \[degC\].
+    pub(crate) history: Vec<(Term, f32)>,
+    /// By axis and term.
+    pub(crate) gains: Vec<Vec<GainSet>>,
 }
 
 /// What was found on the way to a fit.
@@ -54,18 +58,20 @@ impl ChannelFit {
         let fitted = Fitted {
             temperature: channel.column.clone(),
             segments: self.segments,
+            history: self.history,
             axes: channel
                 .axes
                 .iter()
                 .zip(self.polynomials)
-                .zip(self.sigmas.into_iter().zip(self.noises))
+                .zip(self.sigmas.into_iter().zip(self.noises).zip(self.gains))
                 .zip(findings.held_out)
                 .map(
-                    |(((axis, polynomials), (sigmas, noise)), held_out)| AxisSet {
+                    |(((axis, polynomials), ((sigmas, noise), gains)), held_out)| AxisSet {
                         name: axis.name.clone(),
                         unit: axis.unit,
                         polynomials,
                         sigmas,
+                        gains,
                         noise,
                         held_out: Some(held_out),
                         statistics: None,

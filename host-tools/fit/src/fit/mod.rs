@@ -12,7 +12,10 @@ use tempco::ThermalSettings;
 
 use crate::assemble;
 use crate::digest::{LogDigest, Plan, digest_log};
-use crate::joint::{self, Blocks, Choice, Chosen, FixedLag, Question, RateForm};
+use crate::joint::{
+    self, Blocks, Candidate, Choice, Chosen, FixedLag, LEAST_RATES, Question, RateForm, Selection,
+    Spline,
+};
 use crate::log::Log;
 use crate::parallel;
 use crate::regress::{ChannelData, with_every_rate};
@@ -26,6 +29,16 @@ const LEAST_SPAN_C: f32 = 10.0;
 
 /// A rounding bound beyond this share of the compensated bias stability is remarked on.
 const LARGE_ROUNDING: f64 = 0.01;
+
+/// Terms of the thermal history beside the five of every segment, for splines.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum States {
+    /// None.
+    None,
+    /// Those that lower the error on soaks and ramps left out of the fit by more than one standard
+    /// error.
+    Auto,
+}
 
 /// What to fit.
 #[derive(Clone, Debug)]
@@ -46,6 +59,8 @@ pub struct FitOptions {
     pub rate_tau_s: Option<f32>,
     /// Shift of the effective temperature, if it is not to be fitted.
     pub kappa: Option<f32>,
+    /// Whether a spline may earn plays and a slow part.
+    pub states: States,
     /// Stretches of log time that are not fitted, in every log.
     pub exclude: Vec<Stretch>,
     /// Whether spikes and disturbances are left out.
@@ -68,6 +83,7 @@ impl FitOptions {
             thermal: ThermalSettings::DEFAULT,
             rate_tau_s: None,
             kappa: None,
+            states: States::Auto,
             exclude: Vec::new(),
             robust: true,
             scale_factor_arcsec: None,
@@ -209,6 +225,7 @@ fn fit_channel(
         segments: options.segments.as_ref(),
         overlap: options.overlap,
         all_models: options.model == Model::Auto,
+        states: options.states == States::Auto,
     };
     let (choice, selection, chosen) = match options.model {
         Model::Static | Model::Composite => {
@@ -231,17 +248,18 @@ fn fit_channel(
             model,
             segmentation,
         } => {
+            if model == Model::Static && options.model == Model::Auto {
+                remark_without_rates(data, remarks);
+            }
             let division = (&segmentation, options.overlap);
             segments::fit(data, options.thermal, model.terms(), division, remarks)?
         }
-        Choice::Spline {
-            layout,
-            rate,
-            lag,
-            with_rate,
-        } => {
-            remark_on_rates(data, rate == RateForm::None, &with_rate, remarks);
-            joint::fit(data, options.thermal, lag, (&layout, rate), &with_rate)?
+        Choice::Spline(spline) => {
+            if let (Some(selection), States::Auto) = (&selection, options.states) {
+                remark_on_states(data, &spline, selection, remarks);
+            }
+            remark_on_rates(data, &spline, remarks);
+            joint::fit(data, options.thermal, &spline)?
         }
     };
     let findings = Findings {
@@ -271,28 +289,61 @@ fn remark_on_screening(data: &ChannelData, found: &Screening, remarks: &mut Vec<
     }
 }
 
+/// Says that no axis has rate terms.
+fn remark_without_rates(data: &ChannelData, remarks: &mut Vec<String>) {
+    remarks.push(format!(
+        "{}: not improvable by the rate of temperature, as far as these logs tell: the model has no \
+         rate terms and no lag shift (they are tried where the logs hold four soaks and ramps or \
+         more, at rates that differ)",
+        data.temperature()
+    ));
+}
+
 /// Says which axes are left without rate terms, and why.
-fn remark_on_rates(data: &ChannelData, none: bool, with_rate: &[bool], remarks: &mut Vec<String>) {
+fn remark_on_rates(data: &ChannelData, spline: &Spline, remarks: &mut Vec<String>) {
     let channel = data.of(0);
-    if none {
-        remarks.push(format!(
-            "{}: not improvable by the rate of temperature, as far as these logs tell: the model \
-             has no rate terms and no lag shift (they are tried where the logs hold four soaks and \
-             ramps or more, at rates that differ)",
-            channel.column
-        ));
+    if spline.rate == RateForm::None {
+        remark_without_rates(data, remarks);
         return;
     }
     let without = channel
         .axes
         .iter()
-        .zip(with_rate)
-        .filter(|(_, with)| !**with);
+        .zip(&spline.axes)
+        .filter(|(_, with)| !with.rate);
     for (axis, _) in without {
         remarks.push(format!(
             "axis {}: rate terms do not improve what was left out of the fit by more than one \
              standard error; dropped",
             axis.name
+        ));
+    }
+}
+
+/// Says why no states were tried, and which axes are left without those that were earned.
+fn remark_on_states(
+    data: &ChannelData,
+    spline: &Spline,
+    selection: &Selection,
+    remarks: &mut Vec<String>,
+) {
+    let channel = &data.logs[0].channels[data.channel];
+    let earned = !spline.shape.terms().is_empty();
+    let axes = channel.axes.iter().zip(&spline.axes);
+    for (axis, _) in axes.filter(|(_, with)| earned && !with.states) {
+        remarks.push(format!(
+            "axis {}: plays and slow part do not improve what was left out of the fit by more than \
+             one standard error; dropped",
+            axis.name
+        ));
+    }
+    let has_rate = |of: &Candidate| of.model == Model::Spline && of.rate_columns > 0;
+    let candidates = std::iter::once(&selection.chosen).chain(&selection.others);
+    if candidates.into_iter().any(has_rate) && selection.ramp_rates_c_per_min.len() < LEAST_RATES {
+        remarks.push(format!(
+            "{}: plays and slow part are not tried: all ramps are of one rate, which tells no \
+             hysteresis from a lag and no lag from another",
+            channel.column
         ));
     }
 }

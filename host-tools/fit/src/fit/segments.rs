@@ -78,6 +78,8 @@ pub(crate) fn fit(
         polynomials,
         sigmas,
         noises: vec![None; data.axes()],
+        history: Vec::new(),
+        gains: vec![Vec::new(); data.axes()],
     })
 }
 

@@ -1,6 +1,7 @@
 //! Regressors of the spline model: quadratic B-splines for the static part, straight lines or
 //! hats for the rate part, a constant per log.
 
+use crate::joint::select::AxisTerms;
 use crate::model::Polynomial;
 use crate::segment::Segment;
 
@@ -19,13 +20,14 @@ pub(crate) enum RateForm {
 ///
 /// In this order: `segments + 2` quadratic B-splines, which are C1 over the breakpoints and add up
 /// to 1; for several logs, one column less than logs, in which the constants of the logs differ
-/// from their mean; the rate columns.
+/// from their mean; the rate columns; the earned states, one column each over the whole range.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Basis {
     /// Ends of the range and the breakpoints between, ascending \[degC\].
     breakpoints_c: Vec<f64>,
     rate: RateForm,
     logs: usize,
+    states: usize,
 }
 
 /// A row of which few entries are not zero.
@@ -40,7 +42,13 @@ impl Basis {
             breakpoints_c,
             rate,
             logs,
+            states: 0,
         }
+    }
+
+    /// The same basis with columns for earned states.
+    pub(crate) fn with_states(self, states: usize) -> Self {
+        Self { states, ..self }
     }
 
     pub(crate) fn breakpoints_c(&self) -> &[f64] {
@@ -68,8 +76,23 @@ impl Basis {
         self.static_columns() + self.logs - 1
     }
 
-    pub(crate) fn columns(&self) -> usize {
+    /// The columns before those of the earned states.
+    pub(crate) fn columns_without_states(&self) -> usize {
         self.columns_without_rate() + self.rate_columns()
+    }
+
+    pub(crate) fn columns(&self) -> usize {
+        self.columns_without_states() + self.states
+    }
+
+    /// The columns of an axis that has not all terms.
+    pub(crate) fn columns_of(&self, terms: AxisTerms) -> Vec<usize> {
+        let rate = self.columns_without_rate()..self.columns_without_states();
+        let states = self.columns_without_states()..self.columns();
+        (0..self.columns())
+            .filter(|column| terms.rate || !rate.contains(column))
+            .filter(|column| terms.states || !states.contains(column))
+            .collect()
     }
 
     /// Writes the entries of a row; a temperature beyond the range counts as its nearest end.
@@ -87,6 +110,11 @@ impl Basis {
             row.extend((0..log).map(|other| (first_log + other, -1.0)));
         }
         self.rate_entries(segment, temp_c, rate, row);
+    }
+
+    /// Appends the values of the earned states to a row.
+    pub(crate) fn push_states(&self, values: impl Iterator<Item = f64>, row: &mut SparseRow) {
+        row.extend((self.columns_without_states()..).zip(values));
     }
 
     fn rate_entries(&self, segment: usize, temp_c: f64, rate: f64, row: &mut SparseRow) {

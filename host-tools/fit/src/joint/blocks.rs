@@ -1,6 +1,6 @@
 //! The kept blocks of a channel: the rows of every least squares.
 
-use tempco::{TableError, Thermal, ThermalSettings};
+use tempco::{TableError, Thermal, ThermalPoint, ThermalSettings};
 
 use crate::digest::SamplePoint;
 use crate::regress::{ChannelData, is_usable, with_every_rate};
@@ -77,6 +77,13 @@ impl Blocks {
         self.raw[axis][block] + self.log_means[log][axis] - self.constants[log][axis]
     }
 
+    /// From the first to the last block of the longest log \[s\].
+    pub(crate) fn longest_log_s(&self) -> f64 {
+        let logs = self.blocks.chunk_by(|a, b| a.log == b.log);
+        let lengths = logs.map(|log| log[log.len() - 1].time_s - log[0].time_s);
+        lengths.fold(0.0, f64::max)
+    }
+
     pub(crate) fn axes(&self) -> usize {
         self.raw.len()
     }
@@ -105,9 +112,9 @@ impl Blocks {
         );
         let mean = |block: &Block| {
             let (mut sum, mut rows) = (0.0, 0.0);
-            for (point, kept) in points.of_block(block) {
-                sum += kept * f64::from(point.point.rate_c_per_min);
-                rows += kept;
+            for kept in points.of_block(block) {
+                sum += kept.rows * f64::from(kept.point.rate_c_per_min);
+                rows += kept.rows;
             }
             sum / rows
         };
@@ -127,6 +134,15 @@ impl Blocks {
     }
 }
 
+/// A sample that enters a fit.
+pub(crate) struct Kept {
+    /// Its number in the log.
+    pub(crate) sample: usize,
+    pub(crate) point: ThermalPoint,
+    /// How many rows of it are kept.
+    pub(crate) rows: f64,
+}
+
 /// The core's points at the samples of all logs.
 pub(crate) struct SamplePoints<'a> {
     data: &'a ChannelData<'a>,
@@ -142,16 +158,30 @@ impl<'a> SamplePoints<'a> {
         }
     }
 
-    /// The samples of a block and how many rows of each are kept: those that the settings make
-    /// unusable are not, unless that leaves none.
-    pub(crate) fn of_block(&self, block: &Block) -> impl Iterator<Item = (&SamplePoint, f64)> {
+    /// The points of a log, sample by sample.
+    pub(crate) fn of_log(&self, log: usize) -> &[SamplePoint] {
+        &self.of_log[log]
+    }
+
+    pub(crate) fn logs(&self) -> usize {
+        self.of_log.len()
+    }
+
+    /// The samples of a block that are kept: not those that the settings make unusable, unless
+    /// that leaves none.
+    pub(crate) fn of_block(&self, block: &Block) -> impl Iterator<Item = Kept> {
         let samples = &self.data.of(block.log).blocks[block.position].samples;
         let points = &self.of_log[block.log][samples.clone()];
         let is_kept = |point: &SamplePoint| point.kept > 0.0 && is_usable(&point.point);
         let any = points.iter().any(is_kept);
-        let kept = points
-            .iter()
-            .filter(move |p| p.kept > 0.0 && (!any || is_kept(p)));
-        kept.map(|point| (point, point.kept))
+        let kept = samples
+            .clone()
+            .zip(points)
+            .filter(move |(_, p)| p.kept > 0.0 && (!any || is_kept(p)));
+        kept.map(|(sample, point)| Kept {
+            sample,
+            point: point.point,
+            rows: point.kept,
+        })
     }
 }

@@ -57,16 +57,45 @@ impl HeldOut {
         Some(held_out)
     }
 
-    /// The spline model.
+    /// The spline model, with the values of its earned states block by block.
     pub(crate) fn spline(
         blocks: &Blocks,
         folds: &Folds,
         regressors: &Regressors,
         kappa: f64,
         basis: &Basis,
+        states: &[Vec<f64>],
     ) -> Option<Self> {
-        let grams = regressors.grams(blocks, folds, basis, kappa);
+        let grams = regressors.grams(blocks, folds, basis, kappa, states);
         Self::linear(blocks, folds, &grams)
+    }
+
+    /// A model that takes, beside the leading columns, some of the others, chosen by `pick` anew
+    /// without each fold; it is given the normal equations of those others after the leading ones.
+    pub(crate) fn picked(
+        blocks: &Blocks,
+        folds: &Folds,
+        grams: &[Gram],
+        leading: usize,
+        pick: impl Fn(&Gram) -> Option<Vec<usize>>,
+    ) -> Option<Self> {
+        let mut held_out = Self::new(blocks, folds);
+        let mut whole = grams[0].clone();
+        for gram in &grams[1..] {
+            whole.merge(gram);
+        }
+        for (fold, gram) in grams.iter().enumerate() {
+            let training = whole.without(gram);
+            let picked = pick(&training.reduced(leading)?)?;
+            let others = picked.into_iter().map(|position| leading + position);
+            let columns: Vec<usize> = (0..leading).chain(others).collect();
+            let solution = training.only(&columns).solve()?;
+            let judged = gram.only(&columns);
+            for (axis, coefficients) in solution.iter().enumerate() {
+                held_out.squares[axis][fold] = judged.residual(axis, coefficients);
+            }
+        }
+        Some(held_out)
     }
 
     /// One cubic in T.

@@ -5,24 +5,29 @@ use tempco::{ThermalPoint, ThermalSettings};
 use crate::fit::{ChannelFit, FitError};
 use crate::joint::basis::RateForm;
 use crate::joint::blocks::{Blocks, SamplePoints};
-use crate::joint::covariance::{Covariance, of_combinations};
-use crate::joint::lag::Lag;
-use crate::joint::layout::Layout;
-use crate::joint::solve::Rows;
+use crate::joint::covariance::of_combinations;
+use crate::joint::select::Spline;
+use crate::joint::solve::{AxisSolution, Rows, solve_axes};
+use crate::joint::states::sample_states;
 use crate::regress::{ChannelData, with_every_rate};
 use crate::segment::{Overlap, Segment, Segmentation};
-use crate::set::{CoefficientSigmas, NoiseSet, SegmentSet};
+use crate::set::{CoefficientSigmas, GainSet, NoiseSet, SegmentSet};
 use crate::solve::{LEAST_SPAN, Place, SegmentRows, TERMS};
 
-/// Fits breakpoints of `layout` with the settings' thermal path at `lag`; an axis without its
-/// rate terms keeps the rest.
+/// Fits a spline model with the settings' thermal path at its lag; an axis without its rate terms
+/// or earned states keeps the rest.
 pub(crate) fn fit(
     data: &ChannelData,
     settings: ThermalSettings,
-    lag: Lag,
-    (layout, rate): (&Layout, RateForm),
-    with_rate: &[bool],
+    Spline {
+        layout,
+        rate,
+        lag,
+        shape,
+        axes,
+    }: &Spline,
 ) -> Result<ChannelFit, FitError> {
+    let rate = *rate;
     let thermal = ThermalSettings {
         tau_s: lag.tau_s as f32,
         kappa: lag.kappa as f32,
@@ -33,10 +38,15 @@ pub(crate) fn fit(
     let points = SamplePoints::new(data, &open);
     let samples = || {
         let all = blocks.blocks.iter();
-        all.flat_map(|block| points.of_block(block).map(move |found| (block.log, found)))
+        all.flat_map(|block| points.of_block(block).map(move |kept| (block.log, kept)))
+    };
+    // The largest value of a term in the kept rows.
+    let most = |values: &[Vec<f32>]| {
+        let of_kept = samples().map(|(log, kept)| values[log][kept.sample].abs());
+        of_kept.fold(0.0, f32::max)
     };
     let range = |figure: fn(&ThermalPoint) -> f32| {
-        let figures = samples().map(|(_, (sample, _))| figure(&sample.point));
+        let figures = samples().map(|(_, kept)| figure(&kept.point));
         let ends = (f32::INFINITY, f32::NEG_INFINITY);
         figures.fold(ends, |(low, high), value| (low.min(value), high.max(value)))
     };
@@ -47,36 +57,26 @@ pub(crate) fn fit(
     let basis = layout
         .basis(range_c, &sorted_c, rate, data.logs.len())
         .expect("the layout was tried on the same blocks");
+    let terms = shape.terms();
+    let basis = basis.with_states(terms.len());
+    let states = sample_states(&points, &terms);
 
-    let rows = Rows::new(&points, &blocks, &basis);
-    let mut factor = rows.factor(&blocks);
+    let rows = Rows::new(&points, &blocks, &basis, &states);
     let unsolved = || FitError::Joint {
         segments: basis.segments(),
     };
-    let whole = factor.solve(basis.columns()).ok_or_else(unsolved)?;
-    let fixed = factor
-        .solve(basis.columns_without_rate())
-        .ok_or_else(unsolved)?;
+    let (solutions, condition) = solve_axes(&rows, &blocks, &basis, axes).ok_or_else(unsolved)?;
     let maps = basis.polynomial_maps();
     let mut polynomials = Vec::new();
     let mut sigmas = Vec::new();
     let mut noises = Vec::new();
-    let covariances = [
-        (false, basis.columns_without_rate()),
-        (true, basis.columns()),
-    ]
-    .map(|(with, columns)| {
-        let needed = with_rate.contains(&with);
-        needed.then(|| Covariance::new(&rows, &blocks, columns))?
-    });
-    for (axis, &with_rate) in with_rate.iter().enumerate() {
-        let solution = if with_rate { &whole } else { &fixed };
-        let mut coefficients = solution.coefficients[axis].clone();
-        let covariance = covariances[usize::from(with_rate)]
-            .as_ref()
-            .ok_or_else(unsolved)?;
-        let noise = covariance.noise(axis, &coefficients);
-        let covariance = covariance.of(noise);
+    let mut gains = Vec::new();
+    for (axis, solution) in solutions.into_iter().enumerate() {
+        let AxisSolution {
+            mut coefficients,
+            covariance,
+            noise,
+        } = solution;
         let of_segment = maps.iter().map(|(_, rows)| {
             CoefficientSigmas::from_covariance(of_combinations(&covariance, rows))
         });
@@ -85,7 +85,12 @@ pub(crate) fn fit(
             white: noise.white.sqrt(),
             walk: (3600.0 * noise.walk).sqrt(),
         }));
-        coefficients.resize(basis.columns(), 0.0);
+        let first_state = basis.columns_without_states();
+        let of_terms = (first_state..basis.columns()).map(|column| GainSet {
+            gain: coefficients[column],
+            sigma: covariance[(column, column)].max(0.0).sqrt(),
+        });
+        gains.push(of_terms.collect());
         // The splines add up to 1: the mean constant of the logs goes to all of them.
         let means = blocks.log_means.iter().map(|means| means[axis]);
         let constant = means.sum::<f64>() / blocks.logs() as f64;
@@ -102,21 +107,21 @@ pub(crate) fn fit(
             t_max_c: pair[1],
         })
         .collect();
-    let terms = if rate == RateForm::None {
-        3
+    let names = if rate == RateForm::None {
+        &TERMS[..3]
     } else {
-        TERMS.len()
+        &TERMS[..]
     };
-    let timed = samples().map(|(log, (sample, kept))| Timed {
-        point: sample.point,
-        rows: kept as u64,
-        time_s: kept * data.logs[log].interval_s,
+    let timed = samples().map(|(log, kept)| Timed {
+        point: kept.point,
+        rows: kept.rows as u64,
+        time_s: kept.rows * data.logs[log].interval_s,
     });
     let segments = coverage(timed, &pieces, calibrated_c)?
         .into_iter()
         .map(|segment| SegmentSet {
-            terms: TERMS[..terms].iter().map(|&t| t.to_owned()).collect(),
-            condition: whole.condition,
+            terms: names.iter().map(|&t| t.to_owned()).collect(),
+            condition,
             ..segment
         })
         .collect();
@@ -130,6 +135,12 @@ pub(crate) fn fit(
         polynomials,
         sigmas,
         noises,
+        history: terms
+            .into_iter()
+            .zip(&states)
+            .map(|(term, values)| (term, most(values)))
+            .collect(),
+        gains,
     })
 }
 

@@ -11,6 +11,10 @@ const LEAST_LEG_S: f64 = 600.0;
 /// The most folds; with more legs, every so-many-th leg goes into the same fold.
 const MOST_FOLDS: usize = 16;
 
+/// Ramps are of one rate up to this factor: a chamber does not hold its rate, and a part in it
+/// less.
+const SAME_RATE: f64 = 1.3;
+
 /// With fewer legs than this, time is cut into [`MOST_FOLDS`] equal parts instead, and nothing that
 /// depends on the rate can be judged: no temperature was passed twice at two rates.
 pub(crate) const LEAST_FOLDS: usize = 4;
@@ -25,13 +29,26 @@ pub(crate) struct Folds {
     pub(crate) count: usize,
     /// Soaks and ramps found in all logs.
     pub(crate) legs: usize,
+    /// Speeds of the ramps that differ, ascending \[degC/min\].
+    pub(crate) ramp_rates: Vec<f64>,
 }
 
 impl Folds {
+    /// All in one, for what is fitted to all data.
+    pub(crate) fn whole(blocks: &Blocks) -> Self {
+        Self {
+            of_block: vec![0; blocks.blocks.len()],
+            count: 1,
+            legs: 1,
+            ramp_rates: Vec::new(),
+        }
+    }
+
     pub(crate) fn new(blocks: &Blocks, rates: &[f64]) -> Self {
         let mut legs = Vec::with_capacity(rates.len());
         let mut total = 0;
         let mut most = 0;
+        let mut speeds = Vec::new();
         for log in 0..blocks.logs() {
             let of_log: Vec<usize> = (0..rates.len())
                 .filter(|&i| blocks.blocks[i].log == log)
@@ -40,7 +57,9 @@ impl Folds {
                 continue;
             };
             let times: Vec<f64> = of_log.iter().map(|&i| blocks.blocks[i].time_s).collect();
-            let mut found = legs_of(&times, &rates[first..first + of_log.len()]);
+            let rates = &rates[first..first + of_log.len()];
+            let mut found = legs_of(&times, rates);
+            speeds.extend(ramp_speeds(&found, rates));
             let mut count = found.last().map_or(0, |last| last + 1);
             total += count;
             if count < LEAST_FOLDS && blocks.logs() < LEAST_FOLDS {
@@ -56,8 +75,38 @@ impl Folds {
             of_block: legs.into_iter().map(|leg| leg % count).collect(),
             count,
             legs: total,
+            ramp_rates: distinct(speeds),
         }
     }
+}
+
+/// The median speed of each leg that is a ramp.
+fn ramp_speeds(legs: &[usize], rates: &[f64]) -> Vec<f64> {
+    let count = legs.last().map_or(0, |last| last + 1);
+    let mut of_leg = vec![Vec::new(); count];
+    for (&leg, rate) in legs.iter().zip(rates) {
+        of_leg[leg].push(rate.abs());
+    }
+    let medians = of_leg.into_iter().map(|mut speeds: Vec<f64>| {
+        let middle = speeds.len() / 2;
+        *speeds.select_nth_unstable_by(middle, f64::total_cmp).1
+    });
+    medians.filter(|&median| median >= SOAK_C_PER_MIN).collect()
+}
+
+/// The slowest of each group that are of one rate.
+fn distinct(mut speeds: Vec<f64>) -> Vec<f64> {
+    speeds.sort_by(f64::total_cmp);
+    let mut found: Vec<f64> = Vec::new();
+    for speed in speeds {
+        if found
+            .last()
+            .is_none_or(|slowest| speed > SAME_RATE * slowest)
+        {
+            found.push(speed);
+        }
+    }
+    found
 }
 
 /// Numbers the legs of one log.

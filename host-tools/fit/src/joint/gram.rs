@@ -80,19 +80,77 @@ impl Gram {
         rest
     }
 
+    /// The sums of some of the columns, in ascending order.
+    pub(crate) fn only(&self, columns: &[usize]) -> Self {
+        let mut part = Self::new(columns.len(), self.targets.len());
+        for (i, &from_i) in columns.iter().enumerate() {
+            for (j, &from_j) in columns.iter().enumerate().skip(i) {
+                part.products[i * columns.len() + j] =
+                    self.products[from_i * self.columns + from_j];
+            }
+        }
+        for (to, from) in part.targets.iter_mut().zip(&self.targets) {
+            for (to, &column) in to.iter_mut().zip(columns) {
+                *to = from[column];
+            }
+        }
+        part.squares.clone_from(&self.squares);
+        part.weight = self.weight;
+        part
+    }
+
+    /// The sums of the columns from `first` on after least squares on those before: least squares
+    /// on what is left gives their coefficients and the residual of all. `None` where the rows are
+    /// too few.
+    pub(crate) fn reduced(&self, first: usize) -> Option<Self> {
+        let n = self.columns;
+        let factor = self.ridged(first).cholesky()?;
+        let cross = DMatrix::from_fn(first, n - first, |i, j| self.products[i * n + first + j]);
+        let solved = factor.solve(&cross);
+        let mut rest = self.only(&(first..n).collect::<Vec<_>>());
+        let taken = cross.transpose() * &solved;
+        for (i, row) in rest.products.chunks_exact_mut(n - first).enumerate() {
+            for (j, product) in row.iter_mut().enumerate().skip(i) {
+                *product -= taken[(i, j)];
+            }
+        }
+        for ((target, squares), whole) in rest
+            .targets
+            .iter_mut()
+            .zip(&mut rest.squares)
+            .zip(&self.targets)
+        {
+            let before = DVector::from_column_slice(&whole[..first]);
+            let taken = solved.transpose() * &before;
+            for (value, taken) in target.iter_mut().zip(taken.iter()) {
+                *value -= taken;
+            }
+            *squares -= before.dot(&factor.solve(&before));
+        }
+        Some(rest)
+    }
+
+    /// The products of the leading columns.
+    fn ridged(&self, columns: usize) -> DMatrix<f64> {
+        let n = self.columns;
+        let mean = (0..columns).map(|i| self.products[i * n + i]).sum::<f64>() / columns as f64;
+        DMatrix::from_fn(columns, columns, |i, j| {
+            let product = self.products[i.min(j) * n + i.max(j)];
+            product + if i == j { RIDGE * mean } else { 0.0 }
+        })
+    }
+
+    pub(crate) fn observations(&self) -> usize {
+        self.targets.len()
+    }
+
     pub(crate) fn weight(&self) -> f64 {
         self.weight
     }
 
     /// Coefficients for each observation; `None` where the rows are too few.
     pub(crate) fn solve(&self) -> Option<Vec<Vec<f64>>> {
-        let n = self.columns;
-        let mean = (0..n).map(|i| self.products[i * n + i]).sum::<f64>() / n as f64;
-        let matrix = DMatrix::from_fn(n, n, |i, j| {
-            let product = self.products[i.min(j) * n + i.max(j)];
-            product + if i == j { RIDGE * mean } else { 0.0 }
-        });
-        let factor = matrix.cholesky()?;
+        let factor = self.ridged(self.columns).cholesky()?;
         let solve = |target: &Vec<f64>| {
             let solution = factor.solve(&DVector::from_column_slice(target));
             solution.as_slice().to_vec()
@@ -120,6 +178,20 @@ impl Gram {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Columns taken out first or kept: the same coefficients and the same residual.
+    #[test]
+    fn least_squares_may_be_done_in_two_steps() {
+        let whole = rows(0..500);
+        let reduced = whole.reduced(2).unwrap();
+        let (all, rest) = (whole.solve().unwrap(), reduced.solve().unwrap());
+        assert!((all[0][2] - rest[0][0]).abs() < 1e-7, "{all:?} {rest:?}");
+        let (a, b) = (whole.residual(0, &all[0]), reduced.residual(0, &rest[0]));
+        assert!((a - b).abs() < 1e-6 * a, "{a} {b}");
+        let two = whole.only(&[0, 2]);
+        assert_eq!(two.solve().unwrap()[0].len(), 2);
+        assert!(two.residual(0, &two.solve().unwrap()[0]) > 2.0 * a);
+    }
 
     fn rows(range: std::ops::Range<usize>) -> Gram {
         let mut gram = Gram::new(3, 1);

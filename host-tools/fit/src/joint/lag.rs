@@ -6,6 +6,7 @@ use crate::joint::basis::{Basis, SparseRow};
 use crate::joint::blocks::Blocks;
 use crate::joint::folds::Folds;
 use crate::joint::gram::Gram;
+use crate::joint::states::{Shape, block_states};
 use crate::regress::ChannelData;
 
 /// Shifts that are tried.
@@ -22,6 +23,9 @@ const KAPPA_STEPS: (usize, usize) = (1, 6);
 
 /// The same for log tau, between the neighbours of the best grid point.
 const TAU_STEPS: usize = 3;
+
+/// How far a search near a time constant goes, as a factor.
+const NEAR: f64 = 2.0;
 
 /// A time constant with its shift.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -79,13 +83,15 @@ impl<'a> Regressors<'a> {
         Blocks::range(&temps)
     }
 
-    /// The normal equations of each fold.
+    /// The normal equations of each fold; `states` are the values of the earned ones, block by
+    /// block.
     pub(crate) fn grams(
         &self,
         blocks: &Blocks,
         folds: &Folds,
         basis: &Basis,
         kappa: f64,
+        states: &[Vec<f64>],
     ) -> Vec<Gram> {
         let mut grams = vec![Gram::new(basis.columns(), blocks.axes()); folds.count];
         let mut row = SparseRow::new();
@@ -96,6 +102,7 @@ impl<'a> Regressors<'a> {
                 self.rates[i],
                 &mut row,
             );
+            basis.push_states(states.iter().map(|state| state[i]), &mut row);
             grams[folds.of_block[i]].push(&row, blocks.observations(i), block.weight);
         }
         grams
@@ -124,30 +131,93 @@ pub(crate) struct Found {
     pub(crate) unshifted: Lag,
 }
 
-/// Searches tau and kappa of least residual; the coefficients are eliminated at every step.
-///
-/// `layout` makes the basis over a range of effective temperatures.
-pub(crate) fn search(
-    data: &ChannelData,
-    blocks: &Blocks,
-    settings: &ThermalSettings,
-    fixed: FixedLag,
-    layout: &dyn Fn((f64, f64)) -> Basis,
-) -> Result<Found, TableError> {
-    let whole = Folds {
-        of_block: vec![0; blocks.blocks.len()],
-        count: 1,
-        legs: 1,
-    };
-    // Cost without shift, and with the best one.
-    let costs_at = |tau_s: f64, steps: usize| -> Result<(f64, Lowest), TableError> {
-        let regressors = Regressors::new(blocks, data, settings, tau_s)?;
-        let cost = |kappa: f64| {
-            let basis = layout(regressors.range_c(kappa));
-            let grams = regressors.grams(blocks, &whole, &basis, kappa);
-            log_likelihood(&grams[0], blocks.axes())
+/// The search for tau and kappa of least residual; the coefficients are eliminated at every step.
+pub(crate) struct Search<'a> {
+    pub(crate) data: &'a ChannelData<'a>,
+    pub(crate) blocks: &'a Blocks,
+    pub(crate) settings: &'a ThermalSettings,
+    pub(crate) fixed: FixedLag,
+    /// Makes the basis over a range of effective temperatures.
+    pub(crate) layout: &'a dyn Fn((f64, f64)) -> Basis,
+    /// Earned states that go with it.
+    pub(crate) shape: &'a Shape,
+}
+
+impl Search<'_> {
+    /// Over all time constants.
+    pub(crate) fn everywhere(&self) -> Result<Found, TableError> {
+        let without = |tau_s: f64| Lag {
+            tau_s,
+            kappa: self.fixed.kappa.unwrap_or(0.0),
         };
-        if let Some(kappa) = fixed.kappa {
+        if let Some(tau_s) = self.fixed.tau_s {
+            return Ok(Found {
+                best: self.finest(tau_s)?,
+                unshifted: without(tau_s),
+            });
+        }
+        let (low, high) = self.tau_range_s();
+        let tau_at = |x: f64| low * (high / low).powf(x);
+        let step = 1.0 / (GRID - 1) as f64;
+        let mut least = [(f64::INFINITY, 0.0); 2];
+        let mut of_grid = Vec::with_capacity(GRID);
+        for x in (0..GRID).map(|i| i as f64 * step) {
+            let (unshifted, shifted) = self.costs_at(tau_at(x), KAPPA_STEPS.0)?;
+            of_grid.push((x, shifted.value));
+            for (least, cost) in least.iter_mut().zip([unshifted, shifted.value]) {
+                if cost < least.0 {
+                    *least = (cost, x);
+                }
+            }
+        }
+        let [(_, unshifted), (_, x)] = least;
+        let around = ((x - step).max(0.0), (x + step).min(1.0));
+        let best = lowest(around, TAU_STEPS, |x| {
+            let known = of_grid.iter().find(|(at, _)| (at - x).abs() < 1e-9);
+            if let Some(&(_, cost)) = known {
+                return Ok(cost);
+            }
+            Ok(self.costs_at(tau_at(x), KAPPA_STEPS.0)?.1.value)
+        })?;
+        Ok(Found {
+            best: self.finest(tau_at(best.x))?,
+            unshifted: without(tau_at(unshifted)),
+        })
+    }
+
+    /// Around a time constant, for a basis that is not far from the one it was found with.
+    pub(crate) fn near(&self, tau_s: f64) -> Result<Lag, TableError> {
+        if let Some(tau_s) = self.fixed.tau_s {
+            return self.finest(tau_s);
+        }
+        let (low, high) = self.tau_range_s();
+        let around = [tau_s / NEAR, tau_s * NEAR].map(|tau_s| tau_s.clamp(low, high).ln());
+        let best = lowest((around[0], around[1]), TAU_STEPS, |x| {
+            Ok(self.costs_at(x.exp(), KAPPA_STEPS.0)?.1.value)
+        })?;
+        self.finest(best.x.exp())
+    }
+
+    /// A filter must see several rows per time constant.
+    fn tau_range_s(&self) -> (f64, f64) {
+        let intervals = self.data.logs.iter().map(|log| log.interval_s);
+        let (low, high) = TAU_RANGE_S;
+        let low = (4.0 * intervals.fold(0.0, f64::max)).clamp(low, high);
+        (low, high)
+    }
+
+    /// Cost without shift, and with the best one.
+    fn costs_at(&self, tau_s: f64, steps: usize) -> Result<(f64, Lowest), TableError> {
+        let regressors = Regressors::new(self.blocks, self.data, self.settings, tau_s)?;
+        let whole = Folds::whole(self.blocks);
+        let terms = self.shape.terms();
+        let cost = |kappa: f64| {
+            let basis = (self.layout)(regressors.range_c(kappa)).with_states(terms.len());
+            let states = block_states(self.blocks, &regressors, kappa, &terms);
+            let grams = regressors.grams(self.blocks, &whole, &basis, kappa, &states);
+            log_likelihood(&grams[0], self.blocks.axes())
+        };
+        if let Some(kappa) = self.fixed.kappa {
             let at = cost(kappa);
             return Ok((
                 at,
@@ -166,54 +236,16 @@ pub(crate) fn search(
             Ok(at)
         })?;
         Ok((unshifted, lowest))
-    };
-    let finest = |tau_s: f64| -> Result<Lag, TableError> {
-        let (_, lowest) = costs_at(tau_s, KAPPA_STEPS.1)?;
+    }
+
+    /// A time constant with its shift, to the last digit that matters.
+    fn finest(&self, tau_s: f64) -> Result<Lag, TableError> {
+        let (_, lowest) = self.costs_at(tau_s, KAPPA_STEPS.1)?;
         Ok(Lag {
             tau_s,
             kappa: lowest.x,
         })
-    };
-    let without = |tau_s: f64| Lag {
-        tau_s,
-        kappa: fixed.kappa.unwrap_or(0.0),
-    };
-    if let Some(tau_s) = fixed.tau_s {
-        return Ok(Found {
-            best: finest(tau_s)?,
-            unshifted: without(tau_s),
-        });
     }
-    // A filter must see several rows per time constant.
-    let intervals = data.logs.iter().map(|log| log.interval_s);
-    let (low, high) = TAU_RANGE_S;
-    let low = (4.0 * intervals.fold(0.0, f64::max)).clamp(low, high);
-    let tau_at = |x: f64| low * (high / low).powf(x);
-    let step = 1.0 / (GRID - 1) as f64;
-    let mut least = [(f64::INFINITY, 0.0); 2];
-    let mut of_grid = Vec::with_capacity(GRID);
-    for x in (0..GRID).map(|i| i as f64 * step) {
-        let (unshifted, shifted) = costs_at(tau_at(x), KAPPA_STEPS.0)?;
-        of_grid.push((x, shifted.value));
-        for (least, cost) in least.iter_mut().zip([unshifted, shifted.value]) {
-            if cost < least.0 {
-                *least = (cost, x);
-            }
-        }
-    }
-    let [(_, unshifted), (_, x)] = least;
-    let around = ((x - step).max(0.0), (x + step).min(1.0));
-    let best = lowest(around, TAU_STEPS, |x| {
-        let known = of_grid.iter().find(|(at, _)| (at - x).abs() < 1e-9);
-        if let Some(&(_, cost)) = known {
-            return Ok(cost);
-        }
-        Ok(costs_at(tau_at(x), KAPPA_STEPS.0)?.1.value)
-    })?;
-    Ok(Found {
-        best: finest(tau_at(best.x))?,
-        unshifted: without(tau_at(unshifted)),
-    })
 }
 
 /// Where a function is lowest, and its value there.

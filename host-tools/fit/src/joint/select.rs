@@ -2,13 +2,14 @@
 
 use tempco::{TableError, ThermalSettings};
 
-use crate::joint::basis::{RateForm, SparseRow};
+use crate::joint::basis::{Basis, RateForm, SparseRow};
 use crate::joint::blocks::Blocks;
 use crate::joint::crossval::HeldOut;
 use crate::joint::folds::{Folds, LEAST_FOLDS};
-use crate::joint::lag::{FixedLag, Lag, Regressors, search};
+use crate::joint::lag::{FixedLag, Lag, Regressors, Search};
 use crate::joint::layout::{Layout, MOST_SEGMENTS, Place};
 use crate::joint::selection::{Candidate, HeldOutErrors, Selection};
+use crate::joint::states::{Shape, block_states};
 use crate::regress::ChannelData;
 use crate::rfactor::RFactor;
 use crate::segment::{Overlap, Segmentation};
@@ -36,13 +37,26 @@ pub(crate) enum Choice {
         model: Model,
         segmentation: Segmentation,
     },
-    Spline {
-        layout: Layout,
-        rate: RateForm,
-        lag: Lag,
-        /// For each axis, whether its rate terms help.
-        with_rate: Vec<bool>,
-    },
+    Spline(Spline),
+}
+
+/// A spline model, all but its coefficients.
+#[derive(Clone, Debug)]
+pub(crate) struct Spline {
+    pub(crate) layout: Layout,
+    pub(crate) rate: RateForm,
+    pub(crate) lag: Lag,
+    /// Earned states.
+    pub(crate) shape: Shape,
+    /// For each axis, what helps it.
+    pub(crate) axes: Vec<AxisTerms>,
+}
+
+/// The terms that an axis has beside its static part.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct AxisTerms {
+    pub(crate) rate: bool,
+    pub(crate) states: bool,
 }
 
 /// What may be chosen from.
@@ -55,12 +69,15 @@ pub(crate) struct Question<'a> {
     pub(crate) overlap: Overlap,
     /// Whether static and composite model compete.
     pub(crate) all_models: bool,
+    /// Whether states may be earned.
+    pub(crate) states: bool,
 }
 
-struct Tried {
-    candidate: Candidate,
-    held_out: HeldOut,
-    choice: Choice,
+#[derive(Clone)]
+pub(super) struct Tried {
+    pub(super) candidate: Candidate,
+    pub(super) held_out: HeldOut,
+    pub(super) choice: Choice,
 }
 
 impl Question<'_> {
@@ -90,10 +107,16 @@ impl Question<'_> {
             .min_by_key(|(_, t)| t.candidate.columns)
             .map_or(0, |(position, _)| position);
         let mut chosen = tried.remove(chosen);
+        if self.states
+            && let Some(earned) = self.earned(&folds, &chosen, &tried)?
+        {
+            tried.insert(0, std::mem::replace(&mut chosen, earned));
+        }
         self.drop_rates_that_do_not_help(&folds, &mut chosen)?;
         let selection = Selection {
             legs: folds.legs,
             folds: folds.count,
+            ramp_rates_c_per_min: folds.ramp_rates,
             chosen: chosen.candidate,
             others: tried.into_iter().map(|of| of.candidate).collect(),
         };
@@ -148,7 +171,7 @@ impl Question<'_> {
         HeldOut::segments(self.blocks, folds, base, form, segmentation, self.overlap)
     }
 
-    fn regressors(&self, tau_s: f64) -> Result<Regressors<'_>, TableError> {
+    pub(super) fn regressors(&self, tau_s: f64) -> Result<Regressors<'_>, TableError> {
         Regressors::new(self.blocks, self.data, &self.settings, tau_s)
     }
 
@@ -159,38 +182,45 @@ impl Question<'_> {
         folds: &Folds,
         chosen: &mut Tried,
     ) -> Result<(), TableError> {
-        let Choice::Spline {
-            layout,
-            rate,
-            lag,
-            with_rate,
-        } = &mut chosen.choice
-        else {
+        let Choice::Spline(spline) = &mut chosen.choice else {
             return Ok(());
         };
-        if *rate == RateForm::None {
+        if spline.rate == RateForm::None {
             return Ok(());
         }
+        let (lag, terms) = (spline.lag, spline.shape.terms());
         let regressors = self.regressors(lag.tau_s)?;
-        let mut sorted_c = self.blocks.temp_c.clone();
-        sorted_c.sort_by(f64::total_cmp);
-        let range_c = regressors.range_c(lag.kappa);
-        let logs = self.blocks.logs();
-        let held_out = layout
-            .basis(range_c, &sorted_c, RateForm::None, logs)
-            .and_then(|basis| HeldOut::spline(self.blocks, folds, &regressors, lag.kappa, &basis));
+        let states = block_states(self.blocks, &regressors, lag.kappa, &terms);
+        let basis = self.basis(&regressors, lag.kappa, (&spline.layout, RateForm::None));
+        let held_out = basis.and_then(|basis| {
+            let basis = basis.with_states(terms.len());
+            HeldOut::spline(self.blocks, folds, &regressors, lag.kappa, &basis, &states)
+        });
         let Some(without) = held_out else {
             return Ok(());
         };
-        for (axis, with_rate) in with_rate.iter_mut().enumerate() {
+        for (axis, with) in spline.axes.iter_mut().enumerate() {
             let (excess, sigma) = without.excess(&chosen.held_out, &[axis]);
-            *with_rate = excess > sigma;
-            if !*with_rate {
+            with.rate = excess > sigma;
+            if !with.rate {
                 chosen.held_out.squares[axis].clone_from(&without.squares[axis]);
                 chosen.candidate.rmse[axis] = without.mean_square(axis).sqrt();
             }
         }
         Ok(())
+    }
+
+    /// The basis of a layout over the effective temperatures of a lag.
+    pub(super) fn basis(
+        &self,
+        regressors: &Regressors,
+        kappa: f64,
+        (layout, rate): (&Layout, RateForm),
+    ) -> Option<Basis> {
+        let mut sorted_c = self.blocks.temp_c.clone();
+        sorted_c.sort_by(f64::total_cmp);
+        let logs = self.blocks.logs();
+        layout.basis(regressors.range_c(kappa), &sorted_c, rate, logs)
     }
 
     fn try_segments(&self, base: &Regressors, folds: &Folds, tried: &mut Vec<Tried>) {
@@ -276,7 +306,15 @@ impl Question<'_> {
                     .basis(range_c, &sorted_c, RateForm::Line, logs)
                     .expect("uniform breakpoints ascend")
             };
-            let found = search(self.data, self.blocks, &self.settings, self.fixed, &basis)?;
+            let search = Search {
+                data: self.data,
+                blocks: self.blocks,
+                settings: &self.settings,
+                fixed: self.fixed,
+                layout: &basis,
+                shape: &Shape::default(),
+            };
+            let found = search.everywhere()?;
             lags.push((found.best, &all, vec![RateForm::Line, RateForm::Hats]));
             if self.fixed.kappa.is_none() {
                 lags.push((found.unshifted, &uniform, vec![RateForm::Line]));
@@ -291,7 +329,7 @@ impl Question<'_> {
                         continue;
                     };
                     let held_out =
-                        HeldOut::spline(self.blocks, folds, &regressors, lag.kappa, &basis);
+                        HeldOut::spline(self.blocks, folds, &regressors, lag.kappa, &basis, &[]);
                     let Some(held_out) = held_out else { continue };
                     let columns = basis.static_columns() + basis.rate_columns();
                     let columns = (columns, basis.rate_columns());
@@ -305,12 +343,19 @@ impl Question<'_> {
                             &held_out,
                         ),
                         held_out,
-                        choice: Choice::Spline {
+                        choice: Choice::Spline(Spline {
                             layout: layout.clone(),
                             rate,
                             lag,
-                            with_rate: vec![rate != RateForm::None; self.blocks.axes()],
-                        },
+                            shape: Shape::default(),
+                            axes: vec![
+                                AxisTerms {
+                                    rate: rate != RateForm::None,
+                                    states: false,
+                                };
+                                self.blocks.axes()
+                            ],
+                        }),
                     });
                 }
             }
@@ -361,6 +406,8 @@ fn candidate(
         columns,
         tau_s: lag.tau_s,
         kappa: lag.kappa,
+        half_widths_c: Vec::new(),
+        slow_tau_s: None,
         rmse: (0..held_out.squares.len())
             .map(|axis| held_out.mean_square(axis).sqrt())
             .collect(),

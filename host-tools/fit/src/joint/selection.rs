@@ -23,6 +23,12 @@ pub struct Candidate {
     pub tau_s: f64,
     /// Shift of the effective temperature.
     pub kappa: f64,
+    /// Half widths of its plays \[degC\].
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub half_widths_c: Vec<f64>,
+    /// Time constant of its slow part \[s\].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub slow_tau_s: Option<f64>,
     /// Held-out root mean square error of each axis \[unit of the axis\].
     pub rmse: Vec<f64>,
     /// How much larger the held-out mean square is than that of the best candidate, as a share,
@@ -40,6 +46,9 @@ pub struct Selection {
     pub legs: usize,
     /// Parts in which they were left out.
     pub folds: usize,
+    /// Speeds of the ramps that differ by more than 30 % \[degC/min\].
+    #[serde(default)]
+    pub ramp_rates_c_per_min: Vec<f64>,
     /// The chosen model.
     pub chosen: Candidate,
     /// The others, best first.

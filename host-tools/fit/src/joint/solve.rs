@@ -1,8 +1,11 @@
 //! The final least squares of the spline model, on the core's own regressors.
 
-use crate::digest::SamplePoint;
+use nalgebra::DMatrix;
+
 use crate::joint::basis::{Basis, SparseRow};
 use crate::joint::blocks::{Blocks, SamplePoints};
+use crate::joint::covariance::{Covariance, Noise};
+use crate::joint::select::AxisTerms;
 use crate::rfactor::RFactor;
 
 /// The rows of the joint least squares: for each block, the mean of the basis over its samples.
@@ -16,18 +19,29 @@ pub(crate) struct Rows {
 }
 
 impl Rows {
-    /// Evaluates the basis at the core's points of every sample and takes means.
-    pub(crate) fn new(points: &SamplePoints, blocks: &Blocks, basis: &Basis) -> Self {
+    /// Evaluates the basis at the core's points of every sample and takes means; `states` are the
+    /// values of the earned ones, each by log and sample.
+    pub(crate) fn new(
+        points: &SamplePoints,
+        blocks: &Blocks,
+        basis: &Basis,
+        states: &[Vec<Vec<f32>>],
+    ) -> Self {
         let columns = basis.columns();
         let mut values = vec![0.0; columns * blocks.blocks.len()];
         let mut entries = SparseRow::new();
         for (block, mean) in blocks.blocks.iter().zip(values.chunks_exact_mut(columns)) {
-            let rows: f64 = points.of_block(block).map(|(_, kept)| kept).sum();
-            for (SamplePoint { point, .. }, kept) in points.of_block(block) {
+            let rows: f64 = points.of_block(block).map(|kept| kept.rows).sum();
+            for kept in points.of_block(block) {
+                let point = &kept.point;
                 let (temp_c, rate) = (point.effective_c.into(), point.rate_c_per_min.into());
                 basis.row(block.log, temp_c, rate, &mut entries);
+                let values = states
+                    .iter()
+                    .map(|state| state[block.log][kept.sample].into());
+                basis.push_states(values, &mut entries);
                 for &(column, value) in &entries {
-                    mean[column] += kept / rows * value;
+                    mean[column] += kept.rows / rows * value;
                 }
             }
         }
@@ -38,6 +52,18 @@ impl Rows {
             columns,
             values,
             root_weights: weights.map(f64::sqrt).collect(),
+        }
+    }
+
+    /// Some of the columns.
+    pub(crate) fn only(&self, columns: &[usize]) -> Self {
+        let rows = self.values.chunks_exact(self.columns);
+        Self {
+            columns: columns.len(),
+            values: rows
+                .flat_map(|row| columns.iter().map(|&column| row[column]))
+                .collect(),
+            root_weights: self.root_weights.clone(),
         }
     }
 
@@ -57,4 +83,52 @@ impl Rows {
         }
         factor
     }
+}
+
+/// What least squares finds for an axis, in all columns; 0 in those that the axis does not have.
+pub(crate) struct AxisSolution {
+    pub(crate) coefficients: Vec<f64>,
+    pub(crate) covariance: DMatrix<f64>,
+    pub(crate) noise: Noise,
+}
+
+/// Solves for every axis with the terms it has, and says the largest condition number. `None` where
+/// the rows do not determine them.
+pub(crate) fn solve_axes(
+    rows: &Rows,
+    blocks: &Blocks,
+    basis: &Basis,
+    axes: &[AxisTerms],
+) -> Option<(Vec<AxisSolution>, f64)> {
+    let mut found: Vec<Option<AxisSolution>> = axes.iter().map(|_| None).collect();
+    let mut condition = 0.0_f64;
+    for (first, &terms) in axes.iter().enumerate() {
+        if found[first].is_some() {
+            continue;
+        }
+        let columns = basis.columns_of(terms);
+        let part = rows.only(&columns);
+        let solution = part.factor(blocks).solve(columns.len())?;
+        let covariance = Covariance::new(&part, blocks, columns.len())?;
+        condition = condition.max(solution.condition);
+        for axis in (first..axes.len()).filter(|&axis| axes[axis] == terms) {
+            let own = &solution.coefficients[axis];
+            let noise = covariance.noise(axis, own);
+            let own_covariance = covariance.of(noise);
+            let mut coefficients = vec![0.0; basis.columns()];
+            let mut all = DMatrix::zeros(basis.columns(), basis.columns());
+            for (i, &column) in columns.iter().enumerate() {
+                coefficients[column] = own[i];
+                for (j, &other) in columns.iter().enumerate() {
+                    all[(column, other)] = own_covariance[(i, j)];
+                }
+            }
+            found[axis] = Some(AxisSolution {
+                coefficients,
+                covariance: all,
+                noise,
+            });
+        }
+    }
+    Some((found.into_iter().collect::<Option<_>>()?, condition))
 }

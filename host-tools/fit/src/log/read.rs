@@ -118,6 +118,7 @@ mod tests {
     use std::fs;
 
     use super::*;
+    use crate::unit::AxisUnit;
 
     fn read(text: &str, options: &ReadOptions) -> Result<Log, LogError> {
         let folder = tempfile::tempdir().unwrap();

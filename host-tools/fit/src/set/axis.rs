@@ -19,6 +19,9 @@ pub struct AxisSet {
     /// Standard deviations of the coefficients of each polynomial; empty in an imported set.
     #[serde(default)]
     pub sigmas: Vec<CoefficientSigmas>,
+    /// Gains of the earned states, plays before slow parts, as in the table.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub gains: Vec<GainSet>,
     /// What remains after a spline model, as noise; none of other models, whose residuals are not
     /// taken apart.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -28,6 +31,17 @@ pub struct AxisSet {
     pub held_out: Option<HeldOutErrors>,
     /// How well the set does on the logs it was fitted to; none in an imported set.
     pub statistics: Option<AxisStatistics>,
+}
+
+/// The gain of an earned state.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GainSet {
+    /// \[unit of the axis per degC\]
+    pub gain: f64,
+    /// Standard deviation (1 sigma) under the [`noise`](AxisSet::noise) of the axis, for the half
+    /// width or time constant that was found; 0 where the axis does without the state.
+    pub sigma: f64,
 }
 
 /// White noise and random walk that account for the residuals of a fit.

@@ -6,7 +6,7 @@ use std::io::{self, Write as _};
 use std::path::Path;
 
 use super::table::named;
-use super::{ChannelSet, CoefficientSet, TableData};
+use super::{ChannelSet, CoefficientSet, PlayData, SlowPartData, TableData};
 
 /// The table as Rust source for `include!`: constants that a bad table would not let compile.
 pub fn table_rs(set: &CoefficientSet) -> String {
@@ -55,9 +55,16 @@ fn write_table_rs(out: &mut String, set: &CoefficientSet) -> std::fmt::Result {
         write_cells(out, number, channel)?;
     }
     writeln!(out, "/// The tables, one per temperature channel.")?;
+    let counts = match (
+        channels[0].table.plays.len(),
+        channels[0].table.slow_parts.len(),
+    ) {
+        (0, 0) => String::new(),
+        (plays, slow_parts) => format!(", {plays}, {slow_parts}"),
+    };
     writeln!(
         out,
-        "pub static TABLES: [tempco::Table<'static, AXES>; CHANNELS] = ["
+        "pub static TABLES: [tempco::Table<'static, AXES{counts}>; CHANNELS] = ["
     )?;
     for (number, channel) in channels.iter().enumerate() {
         write_table(out, number, &channel.table)?;
@@ -101,12 +108,45 @@ fn write_table(out: &mut String, number: usize, table: &TableData) -> std::fmt::
         "        const WHOLE: tempco::Table<'static, AXES> = match tempco::Table::new(THERMAL, {:?}, {:?}, &CELLS_{number}) {checked};",
         table.first_edge_c, table.last_edge_c
     )?;
-    writeln!(
-        out,
-        "        match WHOLE.calibrated({:?}, {:?}) {checked}",
+    let calibrated = format!(
+        "match WHOLE.calibrated({:?}, {:?}) {checked}",
         table.t_min_c, table.t_max_c
-    )?;
+    );
+    if table.plays.is_empty() && table.slow_parts.is_empty() {
+        writeln!(out, "        {calibrated}")?;
+    } else {
+        writeln!(
+            out,
+            "        const CALIBRATED: tempco::Table<'static, AXES> = {calibrated};"
+        )?;
+        writeln!(out, "        match CALIBRATED.with_history(")?;
+        write_history(out, table)?;
+        writeln!(out, "        ) {checked}")?;
+    }
     writeln!(out, "    }},")
+}
+
+fn write_history(out: &mut String, table: &TableData) -> std::fmt::Result {
+    writeln!(out, "            [")?;
+    for PlayData { half_width_c, gain } in &table.plays {
+        writeln!(
+            out,
+            "                tempco::Play {{ half_width_c: {half_width_c:?}, gain: {gain:?} }},"
+        )?;
+    }
+    writeln!(out, "            ],\n            [")?;
+    for SlowPartData {
+        tau_s,
+        limit_c,
+        gain,
+    } in &table.slow_parts
+    {
+        writeln!(
+            out,
+            "                tempco::SlowPart {{ tau_s: {tau_s:?}, limit_c: {limit_c:?}, gain: {gain:?} }},"
+        )?;
+    }
+    writeln!(out, "            ],")
 }
 
 /// A serial number must not end the comment it stands in.

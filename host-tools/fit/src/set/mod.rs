@@ -3,16 +3,20 @@
 mod axis;
 mod c_header;
 mod emit;
+mod history;
 mod image;
 mod provenance;
 mod table;
 
-pub use axis::{AxisSet, AxisStatistics, CoefficientSigmas, NoiseSet};
+pub use axis::{AxisSet, AxisStatistics, CoefficientSigmas, GainSet, NoiseSet};
 pub use c_header::table_h;
 pub use emit::{table_rs, write_files};
+pub(crate) use history::level_history;
+pub use history::{PlayData, SlowPartData};
 pub use image::table_bin;
 pub use provenance::{Input, Provenance, SignOff};
-pub use table::TableData;
+pub(crate) use table::use_axis;
+pub use table::{TableData, TableUse, use_tables};
 
 use serde::{Deserialize, Serialize};
 
@@ -158,21 +162,22 @@ pub struct Coverage {
 }
 
 impl CoefficientSet {
-    /// The same set without its use of the rate of temperature: rate terms and `kappa` at 0. None
-    /// where it makes no use of it.
+    /// The same set without its use of the rate and the history of temperature: no rate terms, no
+    /// earned states, `kappa` at 0. None where it makes no use of them.
     pub fn static_part(&self) -> Option<Self> {
         let mut part = self.clone();
         for channel in &mut part.channels {
             channel.table.thermal.kappa = 0.0;
+            channel.table.plays.clear();
+            channel.table.slow_parts.clear();
             for terms in channel.table.cells.iter_mut().flatten() {
                 (terms[3], terms[4]) = (0.0, 0.0);
             }
-            for polynomial in channel
-                .axes
-                .iter_mut()
-                .flat_map(|axis| &mut axis.polynomials)
-            {
-                polynomial.r = [0.0; 2];
+            for axis in &mut channel.axes {
+                axis.gains.clear();
+                for polynomial in &mut axis.polynomials {
+                    polynomial.r = [0.0; 2];
+                }
             }
         }
         part.settings.model = Model::Static;
@@ -231,6 +236,23 @@ impl CoefficientSet {
                         channel.segments.len()
                     ));
                 }
+                let terms = channel.table.plays.len() + channel.table.slow_parts.len();
+                if axis.gains.len() != terms {
+                    return Err(format!(
+                        "axis {} has {} gains for {terms} plays and slow parts",
+                        axis.name,
+                        axis.gains.len()
+                    ));
+                }
+            }
+            let history =
+                |channel: &ChannelSet| (channel.table.plays.len(), channel.table.slow_parts.len());
+            if history(channel) != history(&self.channels[0]) {
+                return Err(
+                    "the temperature channels have different numbers of plays or slow \
+                            parts"
+                        .to_owned(),
+                );
             }
             channel
                 .table

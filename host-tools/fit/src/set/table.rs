@@ -1,5 +1,6 @@
 //! The table of a channel as data: what JSON holds, what the core borrows, what the CRC covers.
 
+use super::history::{MOST, PlayData, SlowPartData};
 use serde::{Deserialize, Serialize};
 use tempco::{Table, TableError, Terms, Thermal, ThermalSettings};
 
@@ -23,6 +24,83 @@ pub struct TableData {
     /// `[a0, a1, a2, r0, r1]` by cell and axis, in the basis of the cell (0 at its cold edge, 1 at
     /// its hot edge).
     pub cells: Vec<Vec<[f32; 5]>>,
+    /// Hysteresis terms, at most two.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub plays: Vec<PlayData>,
+    /// Second lags, at most one.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub slow_parts: Vec<SlowPartData>,
+}
+
+/// Something to do with the core's tables of some channels, whatever their numbers of plays and
+/// slow parts.
+pub trait TableUse<const CHANNELS: usize, const AXES: usize> {
+    /// What comes of it.
+    type Output;
+
+    /// Does it.
+    fn with<const PLAYS: usize, const SLOW: usize>(
+        self,
+        tables: &[Table<AXES, PLAYS, SLOW>; CHANNELS],
+    ) -> Self::Output;
+}
+
+/// Makes the core's tables of all axes, with their history terms, and uses them.
+///
+/// # Errors
+/// What the core refuses.
+///
+/// # Panics
+/// If a table has fewer axes, or not as many history terms as the others, or more than a set may
+/// have.
+pub fn use_tables<const CHANNELS: usize, const AXES: usize, U: TableUse<CHANNELS, AXES>>(
+    data: [&TableData; CHANNELS],
+    task: U,
+) -> Result<U::Output, TableError> {
+    use_axes(data, 0, task)
+}
+
+/// The same for one axis.
+pub(crate) fn use_axis<U: TableUse<1, 1>>(
+    data: &TableData,
+    axis: usize,
+    task: U,
+) -> Result<U::Output, TableError> {
+    use_axes([data], axis, task)
+}
+
+/// The same for `AXES` axes from `first_axis` on.
+fn use_axes<const CHANNELS: usize, const AXES: usize, U: TableUse<CHANNELS, AXES>>(
+    data: [&TableData; CHANNELS],
+    first_axis: usize,
+    task: U,
+) -> Result<U::Output, TableError> {
+    let cells = data.map(|data| data.terms::<AXES>(first_axis));
+    let mut tables = Vec::with_capacity(CHANNELS);
+    for (data, cells) in data.iter().zip(&cells) {
+        tables.push(data.five_term_table(cells)?);
+    }
+    macro_rules! with_counts {
+        ($($plays:literal $slow_parts:literal),+) => {
+            match (data[0].plays.len(), data[0].slow_parts.len()) {
+                $(($plays, $slow_parts) => {
+                    let with_history = data.iter().zip(tables).map(|(data, table)| {
+                        let play = |i: usize| data.plays[i].play(first_axis);
+                        let part = |i: usize| data.slow_parts[i].slow_part(first_axis);
+                        table.with_history::<$plays, $slow_parts>(
+                            std::array::from_fn(play),
+                            std::array::from_fn(part),
+                        )
+                    });
+                    let tables: Vec<_> = with_history.collect::<Result<_, _>>()?;
+                    let tables = tables[..].try_into().expect("one for each channel");
+                    Ok(task.with::<$plays, $slow_parts>(tables))
+                })+
+                _ => unreachable!("a set has {MOST:?} history terms at most"),
+            }
+        };
+    }
+    with_counts!(0 0, 1 0, 2 0, 0 1, 1 1, 2 1)
 }
 
 /// Settings by name, in their order in the core.
@@ -62,11 +140,11 @@ impl TableData {
             .collect()
     }
 
-    /// The core's table over `cells` from [`terms`](Self::terms).
+    /// The core's table over `cells` from [`terms`](Self::terms), without history terms.
     ///
     /// # Errors
     /// What the core refuses.
-    pub fn table<'a, const AXES: usize>(
+    pub fn five_term_table<'a, const AXES: usize>(
         &self,
         cells: &'a [[Terms; AXES]],
     ) -> Result<Table<'a, AXES>, TableError> {
@@ -75,23 +153,35 @@ impl TableData {
             .calibrated(self.t_min_c, self.t_max_c)
     }
 
-    /// Runs `read` on a one-axis table of the core.
+    /// Runs `read` on a one-axis table of the core without history terms.
     pub(crate) fn with_axis<R>(
         &self,
         axis: usize,
         read: impl FnOnce(&Table<1>) -> R,
     ) -> Result<R, TableError> {
         let cells = self.terms::<1>(axis);
-        Ok(read(&self.table(&cells)?))
+        Ok(read(&self.five_term_table(&cells)?))
     }
 
     pub(crate) fn check(&self, axes: usize) -> Result<(), String> {
         if self.cells.iter().any(|cell| cell.len() != axes) {
             return Err(format!("a cell of the table does not have {axes} axes"));
         }
+        let (plays, slow_parts) = MOST;
+        if self.plays.len() > plays || self.slow_parts.len() > slow_parts {
+            return Err(format!(
+                "{} plays and {} slow parts: expected {plays} and {slow_parts} at most",
+                self.plays.len(),
+                self.slow_parts.len()
+            ));
+        }
+        let gains = self.plays.iter().map(|play| &play.gain);
+        let mut gains = gains.chain(self.slow_parts.iter().map(|part| &part.gain));
+        if gains.any(|gain| gain.len() != axes) {
+            return Err(format!("a play or slow part does not have {axes} gains"));
+        }
         (0..axes).try_for_each(|axis| {
-            self.with_axis(axis, |_| ())
-                .map_err(|error| error.to_string())
+            use_axes::<1, 1, _>([self], axis, Check).map_err(|error| error.to_string())
         })
     }
 
@@ -151,8 +241,18 @@ impl TableData {
     }
 }
 
+/// That the core accepts a table.
+struct Check;
+
+impl TableUse<1, 1> for Check {
+    type Output = ();
+
+    fn with<const PLAYS: usize, const SLOW: usize>(self, _: &[Table<1, PLAYS, SLOW>; 1]) {}
+}
+
 /// CRC over the numbers of the tables: for each, the thermal settings, the four temperatures, the
-/// numbers of cells and axes as u32, then the cells; all little-endian.
+/// numbers of cells and axes as u32, then the cells; where there are any plays or slow parts, their
+/// numbers as u32, then the numbers of each play and each slow part. All little-endian.
 pub(crate) fn crc32<'a>(tables: impl Iterator<Item = &'a TableData>) -> u32 {
     let mut digest = CRC.digest();
     for table in tables {
@@ -171,6 +271,17 @@ pub(crate) fn crc32<'a>(tables: impl Iterator<Item = &'a TableData>) -> u32 {
             digest.update(&(count as u32).to_le_bytes());
         }
         for value in table.cells.iter().flatten().flatten() {
+            digest.update(&value.to_le_bytes());
+        }
+        if table.plays.is_empty() && table.slow_parts.is_empty() {
+            continue;
+        }
+        for count in [table.plays.len(), table.slow_parts.len()] {
+            digest.update(&(count as u32).to_le_bytes());
+        }
+        let plays = table.plays.iter().flat_map(PlayData::numbers);
+        let slow_parts = table.slow_parts.iter().flat_map(SlowPartData::numbers);
+        for value in plays.chain(slow_parts) {
             digest.update(&value.to_le_bytes());
         }
     }

@@ -24,8 +24,9 @@ pub(super) struct Outcome {
     pub(super) jumps: [[f64; 2]; 3],
     /// a0, a1 and a2 of each segment of the static model with overlap.
     pub(super) table_2: [Vec<[f64; 3]>; 3],
-    /// Sigma of an unseen variable-temperature run: uncompensated, static, composite.
-    pub(super) table_3: [[f64; 3]; 3],
+    /// Sigma of an unseen variable-temperature run: uncompensated, static, composite, and what `auto`
+    /// chose from the same logs.
+    pub(super) table_3: [[f64; 4]; 3],
 }
 
 pub(super) fn run(seed: u64) -> Result<Outcome> {
@@ -38,13 +39,16 @@ pub(super) fn run(seed: u64) -> Result<Outcome> {
     let verification_log = log(&variable("verification", [0.7, 1.5, 1.0])?, 3)?;
 
     let static_logs = std::slice::from_ref(&static_log);
-    let without = calibrate(static_logs, Model::Static, Overlap::None)?;
-    let with = calibrate(static_logs, Model::Static, Overlap::Linear)?;
+    let segments: Segmentation = SEGMENTS.parse().context("the paper's segments")?;
+    let segments = Some(&segments);
+    let without = calibrate(static_logs, Model::Static, (segments, Overlap::None))?;
+    let with = calibrate(static_logs, Model::Static, (segments, Overlap::Linear))?;
     // The same polynomials as with the blend, switched as without overlap: what of the smoothness
     // is owed to the fit.
-    let switched = calibrate(static_logs, Model::Static, Overlap::Hard)?;
+    let switched = calibrate(static_logs, Model::Static, (segments, Overlap::Hard))?;
     let both_logs = [static_log, variable_log];
-    let composite = calibrate(&both_logs, Model::Composite, Overlap::Linear)?;
+    let composite = calibrate(&both_logs, Model::Composite, (segments, Overlap::Linear))?;
+    let auto = calibrate(&both_logs, Model::Auto, (None, Overlap::Linear))?;
 
     let [static_log, _] = &both_logs;
     let of_without = sigmas(&without, static_log)?;
@@ -53,6 +57,7 @@ pub(super) fn run(seed: u64) -> Result<Outcome> {
     let unseen_with = sigmas(&with, &unseen_log)?;
     let static_alone = sigmas(&with, &verification_log)?;
     let of_composite = sigmas(&composite, &verification_log)?;
+    let of_auto = sigmas(&auto, &verification_log)?;
     let jump = |set: &CoefficientSet, axis| f64::from(set.channels[0].table.max_jump(axis));
     let axes = [0, 1, 2];
     Ok(Outcome {
@@ -60,7 +65,10 @@ pub(super) fn run(seed: u64) -> Result<Outcome> {
         unseen: axes.map(|a| [unseen_without[a].1, unseen_with[a].1]),
         jumps: axes.map(|a| [jump(&without, a), jump(&switched, a)]),
         table_2: axes.map(|a| static_coefficients(&with, a)),
-        table_3: axes.map(|a| [of_composite[a].0, static_alone[a].1, of_composite[a].1]),
+        table_3: axes.map(|a| {
+            let raw = of_composite[a].0;
+            [raw, static_alone[a].1, of_composite[a].1, of_auto[a].1]
+        }),
     })
 }
 
@@ -110,11 +118,14 @@ fn simulate(unit: &Unit, profile: &Profile, seed: u64) -> Result<Log> {
     })
 }
 
-fn calibrate(logs: &[Log], model: Model, overlap: Overlap) -> Result<CoefficientSet> {
-    let segments: Segmentation = SEGMENTS.parse().context("the paper's segments")?;
+fn calibrate(
+    logs: &[Log],
+    model: Model,
+    (segments, overlap): (Option<&Segmentation>, Overlap),
+) -> Result<CoefficientSet> {
     let options = FitOptions {
         overlap,
-        segments: Some(segments),
+        segments: segments.cloned(),
         tau_s: TAU_S,
         ..FitOptions::new("PAPER", model)
     };

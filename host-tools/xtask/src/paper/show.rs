@@ -7,6 +7,9 @@ use super::printed::{SEGMENTS, TABLE_1, TABLE_2, TABLE_3};
 
 const AXES: [&str; 3] = ["X", "Y", "Z"];
 
+/// Column of `auto` in table 3, which is not printed.
+const AUTO: usize = 3;
+
 /// Improvements that differ by more are remarked on.
 const REMARKABLE: f64 = 0.15;
 
@@ -121,7 +124,7 @@ fn table_2(outcomes: &[Outcome]) {
 fn table_3(outcomes: &[Outcome]) {
     println!(
         "\nTable 3. Variable-temperature run that no model has seen: 5 to 35 degC at 0.7 to 1.5 degC/min;\n\
-         composite model fitted to the static run and a run at 0.5 to 2 degC/min"
+         composite model and `--model auto` fitted to the static run and a run at 0.5 to 2 degC/min"
     );
     let rows = (0..3).map(|axis| {
         let mut row = vec![AXES[axis].to_owned()];
@@ -129,6 +132,7 @@ fn table_3(outcomes: &[Outcome]) {
             row.push(format!("{printed:.4}"));
             row.push(cell(outcomes, |o| o.table_3[axis][column]));
         }
+        row.push(cell(outcomes, |o| o.table_3[axis][AUTO]));
         row
     });
     let header = [
@@ -139,9 +143,10 @@ fn table_3(outcomes: &[Outcome]) {
         "here",
         "composite",
         "here",
+        "auto here",
     ];
     println!("{}", table(&header, rows));
-    let gain = |sigmas: &[f64; 3], model: usize| 1.0 - sigmas[model] / sigmas[0];
+    let gain = |sigmas: &[f64], model: usize| 1.0 - sigmas[model] / sigmas[0];
     let rows = (0..3).map(|axis| {
         let mut row = vec![AXES[axis].to_owned()];
         for model in [1, 2] {
@@ -149,6 +154,8 @@ fn table_3(outcomes: &[Outcome]) {
             let found = mean(outcomes, |o| gain(&o.table_3[axis], model));
             row.push(format!("{:+.1} %", 100.0 * found));
         }
+        let found = mean(outcomes, |o| gain(&o.table_3[axis], AUTO));
+        row.push(format!("{:+.1} %", 100.0 * found));
         row
     });
     let header = [
@@ -157,9 +164,17 @@ fn table_3(outcomes: &[Outcome]) {
         "here",
         "composite",
         "here",
+        "auto here",
     ];
     println!("{}", table(&header, rows));
     for (axis, name) in AXES.iter().enumerate() {
+        let [composite, auto] = [2, AUTO].map(|i| mean(outcomes, |o| o.table_3[axis][i]));
+        if auto > composite {
+            println!(
+                "{name}: auto leaves {:.1} % more than the composite model",
+                100.0 * (auto / composite - 1.0)
+            );
+        }
         for (model, what) in [(1, "static"), (2, "composite")] {
             let printed = gain(&TABLE_3[axis], model);
             let found = mean(outcomes, |o| gain(&o.table_3[axis], model));

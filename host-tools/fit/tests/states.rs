@@ -1,0 +1,276 @@
+//! Plays and slow parts: found where they are, not found where they are not, and carried from the
+//! set to the table that flies.
+
+mod worlds;
+
+use tempco::{
+    Compensator, HistoryState, Interval, Play, SlowPart, Table, Terms, Thermal, ThermalSettings,
+};
+use tempco_fit::apply::apply;
+use tempco_fit::fit::{Fit, FitOptions, States, fit};
+use tempco_fit::load_set;
+use tempco_fit::log::Log;
+use tempco_fit::set::{CoefficientSet, GainSet, Model, PlayData, SlowPartData, table_rs};
+use tempco_fit::unit::AxisUnit;
+use worlds::{Programme, Random, World, simulate};
+
+/// A unit of one axis that is a table of the core.
+#[derive(Clone, Copy)]
+struct Unit {
+    play: Option<(f32, f32)>,
+    slow_part: Option<(f32, f32)>,
+}
+
+const PLAIN: Unit = Unit {
+    play: None,
+    slow_part: None,
+};
+
+const WHOLE: Unit = Unit {
+    play: Some((2.5, 0.004)),
+    slow_part: Some((3600.0, -0.0005)),
+};
+
+/// Noise of a row of ten seconds.
+const WHITE: f64 = 0.01;
+
+/// Steps of the random walk from row to row: little, and as much as the states themselves by the
+/// end of a log.
+const CALM: f64 = 1e-5;
+const RESTLESS: f64 = 5e-5;
+
+/// A chamber run of the unit in rows of ten seconds; `seed` makes the noise, which walks as well.
+fn run(unit: Unit, programme: Programme, seed: u64, walk_step: f64) -> Log {
+    let mut log = simulate(World::Paper, programme, 1, 1).log;
+    let channel = &mut log.channels[0];
+    channel.temp_c = channel.temp_c.iter().copied().step_by(10).collect();
+    channel.axes.truncate(1);
+    log.time_s = log.time_s.iter().copied().step_by(10).collect();
+    log.interval_s = 10.0;
+
+    let thermal = Thermal::new(ThermalSettings {
+        tau_s: 120.0,
+        kappa: 0.8,
+        ..ThermalSettings::DEFAULT
+    });
+    let cells = [[Terms {
+        a: [0.3, 0.5, -0.2],
+        r: [0.03, 0.01],
+    }]];
+    let table = Table::new(thermal.unwrap(), -15.0, 80.0, &cells).unwrap();
+    let (half_width_c, play_gain) = unit.play.unwrap_or((1.0, 0.0));
+    let (tau_s, slow_gain) = unit.slow_part.unwrap_or((2000.0, 0.0));
+    let play = Play {
+        half_width_c,
+        gain: [play_gain],
+    };
+    let part = SlowPart {
+        tau_s,
+        limit_c: 1000.0,
+        gain: [slow_gain],
+    };
+    let table = table.with_history([play], [part]).unwrap();
+    let mut unit = Compensator::new(&table);
+    unit.start(channel.temp_c[0]);
+    let interval = Interval::new(table.thermal(), 10.0);
+    let mut random = Random::new(seed);
+    let mut walk = 0.0;
+    channel.axes[0].raw = channel
+        .temp_c
+        .iter()
+        .map(|&temp_c| {
+            let out = unit.step(&interval, temp_c, [0.0]);
+            walk += walk_step * random.normal();
+            f64::from(out.bias[0]) + walk + WHITE * random.normal()
+        })
+        .collect();
+    log
+}
+
+fn fitted(log: &Log) -> Fit {
+    let options = FitOptions::new("SIMULATED", Model::Spline);
+    fit(std::slice::from_ref(log), &options).unwrap()
+}
+
+#[test]
+fn width_time_constant_and_gains_of_a_unit_are_recovered() {
+    for seed in 1..=3 {
+        let set = fitted(&run(WHOLE, Programme::ManyRates, seed, CALM)).set;
+        let channel = &set.channels[0];
+        let (play, part) = (&channel.table.plays, &channel.table.slow_parts);
+        println!("{play:?} {part:?} {:?}", channel.axes[0].gains);
+        assert_eq!((play.len(), part.len()), (1, 1));
+        assert!((play[0].half_width_c / 2.5 - 1.0).abs() < 0.1);
+        assert!((part[0].tau_s / 3600.0 - 1.0).abs() < 0.2);
+        assert!(part[0].limit_c > 20.0 && part[0].limit_c < 95.0);
+        // What is known of a play best is its height, gain times half width: the stated sigma is
+        // that of the gain for the width that was found.
+        let [of_play, of_part] = channel.axes[0].gains[..] else {
+            panic!("{:?}", channel.axes[0].gains);
+        };
+        let width_c = f64::from(play[0].half_width_c);
+        let error = width_c * of_play.gain - 2.5 * 0.004;
+        assert!(error.abs() < 3.0 * width_c * of_play.sigma, "{of_play:?}");
+        assert!(
+            (of_part.gain + 0.0005).abs() < 3.0 * of_part.sigma,
+            "{of_part:?}"
+        );
+        assert!(of_play.sigma < 2e-4 && of_part.sigma < 5e-5);
+        assert_eq!(play[0].gain, [channel.axes[0].gains[0].gain as f32]);
+    }
+}
+
+#[test]
+fn a_unit_without_states_earns_none() {
+    let seeds = 10;
+    let earned = (1..=seeds)
+        .filter(|&seed| {
+            let set = fitted(&run(PLAIN, Programme::ManyRates, seed, RESTLESS)).set;
+            !set.channels[0].axes[0].gains.is_empty()
+        })
+        .count();
+    println!("{earned} of {seeds}");
+    assert!(earned <= 1);
+}
+
+#[test]
+fn one_rate_earns_none_and_says_so() {
+    let fit = fitted(&run(WHOLE, Programme::OneRate, 1, CALM));
+    assert!(fit.set.channels[0].axes[0].gains.is_empty());
+    let rates = &fit.set.channels[0].selection.as_ref().unwrap();
+    assert_eq!(rates.ramp_rates_c_per_min.len(), 1);
+    let said = |remark: &String| remark.contains("all ramps are of one rate");
+    assert!(fit.remarks.iter().any(said), "{:?}", fit.remarks);
+}
+
+#[test]
+fn states_can_be_declined() {
+    let log = run(WHOLE, Programme::ManyRates, 1, CALM);
+    let options = FitOptions {
+        states: States::None,
+        ..FitOptions::new("SIMULATED", Model::Spline)
+    };
+    let set = fit(&[log], &options).unwrap().set;
+    assert!(set.channels[0].table.plays.is_empty() && set.channels[0].table.slow_parts.is_empty());
+}
+
+/// The set of two logs, in either order and in another unit.
+#[test]
+fn order_of_logs_and_units_do_not_matter() {
+    let logs = [
+        run(WHOLE, Programme::ManyRates, 1, CALM),
+        run(WHOLE, Programme::Verification, 2, CALM),
+    ];
+    let turned = [logs[1].clone(), logs[0].clone()];
+    let mut dps = logs.clone();
+    for log in &mut dps {
+        let axis = &mut log.channels[0].axes[0];
+        axis.unit = AxisUnit::Dps;
+        axis.raw.iter_mut().for_each(|raw| *raw /= 3600.0);
+    }
+    let options = FitOptions::new("SIMULATED", Model::Auto);
+    let [set, turned, dps] = [&logs, &turned, &dps].map(|logs| fit(logs, &options).unwrap().set);
+    for (other, scale) in [(&turned, 1.0), (&dps, 3600.0)] {
+        let (a, b) = (&set.channels[0], &other.channels[0]);
+        let widths = [a, b].map(|of| of.table.plays[0].half_width_c);
+        let taus_s = [a, b].map(|of| of.table.slow_parts[0].tau_s);
+        for [a, b] in [widths, taus_s] {
+            assert!((b / a - 1.0).abs() < 1e-6, "{a} {b}");
+        }
+        for (a, b) in a.axes[0].gains.iter().zip(&b.axes[0].gains) {
+            assert!((b.gain * scale / a.gain - 1.0).abs() < 1e-5, "{a:?} {b:?}");
+        }
+    }
+}
+
+/// A set of printed coefficients with states put to it.
+fn example() -> CoefficientSet {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("printed.csv");
+    let text = "gyro,segment,temp_min_c,temp_max_c,a0_pulses,a1_pulses_per_c,a2_pulses_per_c2\n\
+                X,1,-15,80,0.0173,-0.0014,0.00001\n\
+                Y,1,-15,80,0.0064,0.0004,-0.00004\n";
+    std::fs::write(&path, text).unwrap();
+    let mut set = load_set(&path).unwrap();
+    let channel = &mut set.channels[0];
+    channel.table.plays = vec![PlayData {
+        half_width_c: 2.5,
+        gain: vec![0.004, -0.25],
+    }];
+    channel.table.slow_parts = vec![SlowPartData {
+        tau_s: 4500.0,
+        limit_c: 40.0,
+        gain: vec![-0.0005, 1e-6],
+    }];
+    for axis in &mut channel.axes {
+        axis.gains = vec![GainSet::default(); 2];
+    }
+    set.table_crc32 = format!("{:08x}", set.crc32());
+    set
+}
+
+#[test]
+fn sets_keep_their_states_and_the_crc_covers_them() {
+    let set = example();
+    let text = serde_json::to_string(&set).unwrap();
+    assert_eq!(CoefficientSet::from_json(&text).unwrap(), set);
+    for (from, to) in [
+        ("\"half_width_c\":2.5", "\"half_width_c\":2.6"),
+        ("\"limit_c\":40.0", "\"limit_c\":41.0"),
+        ("[0.004,-0.25]", "[0.004,-0.5]"),
+        ("[0.004,-0.25]", "[0.004]"),
+        ("\"tau_s\":4500.0", "\"tau_s\":45.0"),
+    ] {
+        let damaged = text.replace(from, to);
+        assert_ne!(damaged, text);
+        assert!(CoefficientSet::from_json(&damaged).is_err(), "{to}");
+    }
+    // Without states, nothing of them is written.
+    let part = set.static_part().unwrap();
+    let text = serde_json::to_string(&part).unwrap();
+    assert!(!text.contains("plays") && !text.contains("slow_parts") && !text.contains("gains"));
+}
+
+#[allow(
+    dead_code,
+    unreachable_pub,
+    reason = "written for firmware, which has it in a module of its library"
+)]
+mod emitted {
+    include!("states/table.rs");
+}
+
+/// `states/table.rs` is what is written for the example, compiles, and does what `apply` does.
+#[test]
+fn the_emitted_table_flies_what_is_applied() {
+    let set = example();
+    let text = table_rs(&set);
+    // The first line names the version.
+    let without_first = |text: &str| text.split_once('\n').unwrap().1.to_owned();
+    let expected = without_first(include_str!("states/table.rs"));
+    assert_eq!(without_first(&text), expected, "as written:\n{text}");
+
+    let mut log = simulate(World::Paper, Programme::MidRamp, 1, 1).log;
+    log.channels[0].axes.truncate(2);
+    for axis in &mut log.channels[0].axes {
+        axis.unit = AxisUnit::PulsesPerS;
+    }
+    let applied = apply(&set, &log).unwrap();
+    let table = &emitted::TABLES[0];
+    let mut unit = Compensator::new(table);
+    let temps_c = &log.channels[0].temp_c;
+    unit.start(temps_c[0]);
+    let mut history = HistoryState::new(temps_c[0]);
+    let mut moved = false;
+    for (row, (dt_s, &temp_c)) in log.intervals_s().zip(temps_c).enumerate() {
+        let interval = Interval::new(table.thermal(), dt_s);
+        let out = unit.step(&interval, temp_c, [0.0; 2]);
+        assert_eq!(
+            out.bias,
+            [0, 1].map(|axis: usize| applied.axes[axis].bias[row])
+        );
+        let past = history.update(table.history(), &interval, out.point.effective_c);
+        moved |= past.plays_c[0].abs() > 2.4 && past.lags_c[0].abs() > 10.0;
+    }
+    assert!(moved);
+}

@@ -1,0 +1,50 @@
+// Coefficient table of unit imported, written by tempco 0.1.0. Do not edit.
+
+/// Serial number of the unit.
+pub const SERIAL: &str = "imported";
+/// CRC-32P4 over the numbers of the tables.
+pub const CRC: u32 = 0x480e1a58;
+/// Temperature channels.
+pub const CHANNELS: usize = 1;
+/// Axes per channel.
+pub const AXES: usize = 2;
+/// Names of the axes.
+pub const AXIS_NAMES: [[&str; AXES]; CHANNELS] = [["x", "y"]];
+/// Units of the axes and of their biases.
+pub const AXIS_UNITS: [[&str; AXES]; CHANNELS] = [["pulses_per_s", "pulses_per_s"]];
+
+const CELLS_0: [[tempco::Terms; AXES]; 1] = [
+    [
+        tempco::Terms { a: [0.04055, -0.1615, 0.09025], r: [0.0, 0.0] },
+        tempco::Terms { a: [-0.0086, 0.152, -0.361], r: [0.0, 0.0] },
+    ],
+];
+
+/// The tables, one per temperature channel.
+pub static TABLES: [tempco::Table<'static, AXES, 1, 1>; CHANNELS] = [
+    {
+        const THERMAL: tempco::Thermal = match tempco::Thermal::new(tempco::ThermalSettings {
+            sensor_min_c: -60.0,
+            sensor_max_c: 150.0,
+            spike_gate_c: 2.0,
+            max_slew_c_per_min: 30.0,
+            hold_s: 60.0,
+            heal_s: 10.0,
+            tau_s: 60.0,
+            kappa: 0.0,
+            rate_min_c_per_min: 0.0,
+            rate_max_c_per_min: 0.0,
+            reference_c: 25.0,
+        }) { Ok(checked) => checked, Err(error) => panic!("{}", error.message()) };
+        const WHOLE: tempco::Table<'static, AXES> = match tempco::Table::new(THERMAL, -15.0, 80.0, &CELLS_0) { Ok(checked) => checked, Err(error) => panic!("{}", error.message()) };
+        const CALIBRATED: tempco::Table<'static, AXES> = match WHOLE.calibrated(-15.0, 80.0) { Ok(checked) => checked, Err(error) => panic!("{}", error.message()) };
+        match CALIBRATED.with_history(
+            [
+                tempco::Play { half_width_c: 2.5, gain: [0.004, -0.25] },
+            ],
+            [
+                tempco::SlowPart { tau_s: 4500.0, limit_c: 40.0, gain: [-0.0005, 1e-6] },
+            ],
+        ) { Ok(checked) => checked, Err(error) => panic!("{}", error.message()) }
+    },
+];
