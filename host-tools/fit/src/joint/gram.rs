@@ -187,7 +187,7 @@ mod tests {
         let (all, rest) = (whole.solve().unwrap(), reduced.solve().unwrap());
         assert!((all[0][2] - rest[0][0]).abs() < 1e-7, "{all:?} {rest:?}");
         let (a, b) = (whole.residual(0, &all[0]), reduced.residual(0, &rest[0]));
-        assert!((a - b).abs() < 1e-6 * a, "{a} {b}");
+        assert!((a - b).abs() < 1e-4 * a, "{a} {b}");
         let two = whole.only(&[0, 2]);
         assert_eq!(two.solve().unwrap()[0].len(), 2);
         assert!(two.residual(0, &two.solve().unwrap()[0]) > 2.0 * a);

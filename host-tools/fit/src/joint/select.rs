@@ -90,16 +90,12 @@ impl Question<'_> {
             self.try_segments(&base, &folds, &mut tried);
         }
         self.try_splines(&base, &folds, &mut tried)?;
-        let all_axes: Vec<usize> = (0..self.blocks.axes()).collect();
         let best = tried
             .iter()
             .min_by(|a, b| a.held_out.score().total_cmp(&b.held_out.score()))
             .map(|best| best.held_out.clone())
             .expect("a spline of one segment can always be tried");
-        for of in &mut tried {
-            (of.candidate.excess, of.candidate.excess_sigma) = of.held_out.excess(&best, &all_axes);
-        }
-        tried.sort_by(|a, b| a.candidate.excess.total_cmp(&b.candidate.excess));
+        compare(&mut tried, &best);
         let chosen = tried
             .iter()
             .enumerate()
@@ -110,7 +106,8 @@ impl Question<'_> {
         if self.states
             && let Some(earned) = self.earned(&folds, &chosen, &tried)?
         {
-            tried.insert(0, std::mem::replace(&mut chosen, earned));
+            tried.push(std::mem::replace(&mut chosen, earned));
+            compare(&mut tried, &chosen.held_out);
         }
         self.drop_rates_that_do_not_help(&folds, &mut chosen)?;
         let selection = Selection {
@@ -388,6 +385,15 @@ impl Question<'_> {
         rate.independent >= LEAST_SHARE * rate.whole
             && rate.independent >= SENSOR_NOISE_C / (base.tau_s() / 60.0)
     }
+}
+
+/// Says how much worse each candidate is than the best one, and sorts them by that.
+fn compare(tried: &mut [Tried], best: &HeldOut) {
+    let axes: Vec<usize> = (0..best.squares.len()).collect();
+    for of in &mut *tried {
+        (of.candidate.excess, of.candidate.excess_sigma) = of.held_out.excess(best, &axes);
+    }
+    tried.sort_by(|a, b| a.candidate.excess.total_cmp(&b.candidate.excess));
 }
 
 fn candidate(
