@@ -197,6 +197,25 @@ mod tests {
         assert_eq!(rate(MOVED), 0.0);
     }
 
+    /// At 1 kHz and 6000 s a single f32 would stand still at four fifths.
+    #[test]
+    #[cfg_attr(miri, ignore = "millions of updates")]
+    fn the_memory_does_not_stand_still() {
+        let settings = ThermalSettings {
+            tau_s: 6000.0,
+            ..ThermalSettings::DEFAULT
+        };
+        let thermal = Thermal::new(settings).unwrap();
+        let interval = Interval::new(&thermal, 1e-3);
+        let mut estimator = RateEstimator::new(&thermal, 25.0);
+        for _ in 0..6_000_000 {
+            estimator.update(&thermal, &interval, 25.0, 0.0, MOVED);
+        }
+        let expected = 1.0 - (-1.0_f32).exp();
+        assert!((estimator.memory.value - expected).abs() < 1e-5);
+        assert!((estimator.gain * expected - 1.0).abs() < 1e-5);
+    }
+
     /// Newton's method by one step per update gets there whatever intervals come, in whatever
     /// order, and is never out of bounds on the way.
     #[test]
