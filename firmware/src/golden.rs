@@ -15,47 +15,49 @@ use samples::{Sample, Samples};
 const SUBNORMAL_SAMPLES: u32 = 10_000;
 /// Gyro samples per thermal update of the two-rate pair.
 const SAMPLES_PER_UPDATE: u16 = 8;
+/// One sample in so many is for the tables with terms of the thermal history.
+const HISTORY_SHARE: u32 = 8;
 
 /// Steps `millions` of samples through the single-call and the two-rate compensators of all
-/// tables. Calls `report` with 0 and the hash of the subnormal run, then with the number of each
-/// million and the hash of all samples up to it.
-pub fn run<const C: usize, const A: usize>(
+/// `tables`, and an eighth as many through those of `histories`. Calls `report` with 0 and the
+/// hashes of the subnormal run, then with the number of each million and the hashes of all samples
+/// up to it.
+pub fn run<const C: usize, const H: usize, const A: usize, const P: usize, const S: usize>(
     tables: &[Table<'_, A>; C],
+    histories: &[Table<'_, A, P, S>; H],
     millions: u32,
-    mut report: impl FnMut(u32, u64),
+    mut report: impl FnMut(u32, u64, u64),
 ) {
     let mut golden = Golden::new(tables);
-    for _ in 0..SUBNORMAL_SAMPLES {
-        let sample = golden.samples.subnormal();
-        golden.step(&sample);
-    }
-    report(0, golden.hash());
+    let mut history = Golden::new(histories);
+    golden.steps(SUBNORMAL_SAMPLES, Samples::subnormal);
+    history.steps(SUBNORMAL_SAMPLES, Samples::subnormal);
+    report(0, golden.hash(), history.hash());
     golden = Golden::new(tables);
+    history = Golden::new(histories);
     for million in 1..=millions {
-        for _ in 0..1_000_000 {
-            let sample = golden.samples.hostile();
-            golden.step(&sample);
-        }
-        report(million, golden.hash());
+        golden.steps(1_000_000, Samples::hostile);
+        history.steps(1_000_000 / HISTORY_SHARE, Samples::hostile);
+        report(million, golden.hash(), history.hash());
     }
 }
 
 /// The compensators of one temperature channel.
-struct Unit<'t, const A: usize> {
-    table: &'t Table<'t, A>,
-    single: Compensator<'t, A>,
-    two_rate: TwoRateCompensator<'t, A>,
+struct Unit<'t, const A: usize, const P: usize, const S: usize> {
+    table: &'t Table<'t, A, P, S>,
+    single: Compensator<'t, A, P, S>,
+    two_rate: TwoRateCompensator<'t, A, P, S>,
 }
 
-struct Golden<'t, const C: usize, const A: usize> {
-    units: [Unit<'t, A>; C],
+struct Golden<'t, const C: usize, const A: usize, const P: usize, const S: usize> {
+    units: [Unit<'t, A, P, S>; C],
     samples: Samples,
     count: u32,
     hash: Fnv,
 }
 
-impl<'t, const C: usize, const A: usize> Golden<'t, C, A> {
-    fn new(tables: &'t [Table<'t, A>; C]) -> Self {
+impl<'t, const C: usize, const A: usize, const P: usize, const S: usize> Golden<'t, C, A, P, S> {
+    fn new(tables: &'t [Table<'t, A, P, S>; C]) -> Self {
         Self {
             units: tables.each_ref().map(|table| Unit {
                 table,
@@ -65,6 +67,13 @@ impl<'t, const C: usize, const A: usize> Golden<'t, C, A> {
             samples: Samples::new(),
             count: 0,
             hash: Fnv::new(),
+        }
+    }
+
+    fn steps(&mut self, count: u32, sample: impl Fn(&mut Samples) -> Sample<A>) {
+        for _ in 0..count {
+            let sample = sample(&mut self.samples);
+            self.step(&sample);
         }
     }
 

@@ -18,12 +18,49 @@ pub struct Units<'t, const A: usize> {
     pub single: Compensator<'t, A>,
     /// The two-rate pair.
     pub two_rate: TwoRateCompensator<'t, A>,
+    /// Both with a hysteresis term.
+    pub play: Pair<'t, A, 1, 0>,
+    /// Both with a hysteresis term and a second lag.
+    pub history: Pair<'t, A, 1, 1>,
     /// What is usually done instead; no part of an image that proves something of the core.
     #[cfg(not(feature = "link-guard"))]
     pub baselines: Baselines<A>,
     /// Where [`interval`] puts its result.
     pub interval: Interval,
     table: &'t Table<'t, A>,
+}
+
+/// Both compensators of a table with terms of the thermal history.
+#[derive(Clone, Debug)]
+#[repr(C)]
+pub struct Pair<'t, const A: usize, const P: usize, const S: usize> {
+    single: Compensator<'t, A, P, S>,
+    two_rate: TwoRateCompensator<'t, A, P, S>,
+}
+
+impl<'t, const A: usize, const P: usize, const S: usize> Pair<'t, A, P, S> {
+    fn new(table: &'t Table<'t, A, P, S>, samples_per_update: u16) -> Self {
+        Self {
+            single: Compensator::new(table),
+            two_rate: TwoRateCompensator::new(table, samples_per_update),
+        }
+    }
+
+    fn start(&mut self, temp_c: f32) {
+        self.single.start(temp_c);
+        self.two_rate.start(temp_c);
+    }
+}
+
+/// The tables of [`Units`]: the same one without and with terms of the thermal history.
+#[derive(Clone, Copy, Debug)]
+pub struct Tables<'t, const A: usize> {
+    /// Without.
+    pub plain: &'t Table<'t, A>,
+    /// With a hysteresis term.
+    pub play: &'t Table<'t, A, 1>,
+    /// With a hysteresis term and a second lag.
+    pub history: &'t Table<'t, A, 1, 1>,
 }
 
 /// What a sample brings along.
@@ -45,10 +82,13 @@ pub type Kernel<'t, const A: usize> = fn(&mut Units<'t, A>, &Inputs<A>, &mut Out
 
 impl<'t, const A: usize> Units<'t, A> {
     /// Units as after power-on.
-    pub fn new(table: &'t Table<'t, A>, samples_per_update: u16) -> Self {
+    pub fn new(tables: Tables<'t, A>, samples_per_update: u16) -> Self {
+        let table = tables.plain;
         Self {
             single: Compensator::new(table),
             two_rate: TwoRateCompensator::new(table, samples_per_update),
+            play: Pair::new(tables.play, samples_per_update),
+            history: Pair::new(tables.history, samples_per_update),
             #[cfg(not(feature = "link-guard"))]
             baselines: Baselines::new(table),
             interval: Interval::new(table.thermal(), 0.0),
@@ -60,6 +100,22 @@ impl<'t, const A: usize> Units<'t, A> {
     pub fn start(&mut self, temp_c: f32) {
         self.single.start(temp_c);
         self.two_rate.start(temp_c);
+        self.play.start(temp_c);
+        self.history.start(temp_c);
+    }
+
+    /// Takes the thermal inputs of a sample with all units.
+    pub fn advance(&mut self, inputs: &Inputs<A>, out: &mut Output<A>) {
+        for kernel in [
+            step,
+            update,
+            step_play,
+            update_play,
+            step_history,
+            update_history,
+        ] {
+            kernel(self, inputs, out);
+        }
     }
 }
 
@@ -80,6 +136,38 @@ pub fn step<const A: usize>(units: &mut Units<'_, A>, inputs: &Inputs<A>, out: &
 #[inline(never)]
 pub fn update<const A: usize>(units: &mut Units<'_, A>, inputs: &Inputs<A>, out: &mut Output<A>) {
     out.point = units.two_rate.update(&inputs.interval, inputs.temp_c);
+}
+
+/// Functions of the tables with terms of the thermal history.
+macro_rules! with_history {
+    ($($step:ident, $update:ident: $pair:ident;)+) => {$(
+        #[doc = concat!("[`step`] of the units `", stringify!($pair), "`.")]
+        #[inline(never)]
+        pub fn $step<const A: usize>(
+            units: &mut Units<'_, A>,
+            inputs: &Inputs<A>,
+            out: &mut Output<A>,
+        ) {
+            let unit = &mut units.$pair.single;
+            *out = unit.step(&inputs.interval, inputs.temp_c, inputs.raw);
+        }
+
+        #[doc = concat!("[`update`] of the units `", stringify!($pair), "`.")]
+        #[inline(never)]
+        pub fn $update<const A: usize>(
+            units: &mut Units<'_, A>,
+            inputs: &Inputs<A>,
+            out: &mut Output<A>,
+        ) {
+            let unit = &mut units.$pair.two_rate;
+            out.point = unit.update(&inputs.interval, inputs.temp_c);
+        }
+    )+};
+}
+
+with_history! {
+    step_play, update_play: play;
+    step_history, update_history: history;
 }
 
 /// [`TwoRateCompensator::compensate`]: the subtraction at the gyro's rate.

@@ -6,6 +6,7 @@
 //! - [`baselines`]: what is usually done instead
 //! - [`golden`]: samples and a hash of what becomes of them, to compare host and targets
 //! - [`fixed`]: what the images of the integer core share with the host
+//! - [`history`]: the same table with terms of the thermal history
 //! - [`kernels`]: the functions whose instructions the `bench` image counts
 //! - `measure`: counts instructions in QEMU; only on a target
 //! - `target`: semihosting, panics and faults; only on a target
@@ -23,6 +24,7 @@ pub mod fixed_kernels;
 pub mod golden;
 #[cfg(all(target_os = "none", feature = "link-guard"))]
 pub mod guard;
+pub mod history;
 pub mod kernels;
 #[cfg(target_os = "none")]
 pub mod measure;

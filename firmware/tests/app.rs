@@ -4,7 +4,8 @@ use std::io;
 
 use embedded_io::{ErrorKind, ErrorType, Read, Write};
 use tempco_firmware::app::{ReplayError, replay};
-use tempco_firmware::kernels::{self, Inputs, Units};
+use tempco_firmware::history::{HISTORY, PLAY};
+use tempco_firmware::kernels::{self, Inputs, Tables, Units};
 use tempco_firmware::table::{CRC, TABLES};
 use tempco_replay::{Header, HeaderError, Outcome, Record, Replay, Sample, Summary, decode_all};
 
@@ -187,7 +188,12 @@ fn kernels_do_what_they_are_named_after() {
         temp_c: 26.0,
         raw: [1.0, 2.0, 3.0],
     };
-    let mut units = Units::new(table, 1);
+    let tables = Tables {
+        plain: table,
+        play: &PLAY,
+        history: &HISTORY[0],
+    };
+    let mut units = Units::new(tables, 1);
     units.start(25.0);
     let mut single = tempco::Compensator::new(table);
     single.start(25.0);
@@ -204,6 +210,14 @@ fn kernels_do_what_they_are_named_after() {
     assert_eq!(output, expected);
     kernels::interval(&mut units, &inputs, &mut output);
     assert_eq!(units.interval, interval);
+
+    let mut single = tempco::Compensator::new(&HISTORY[0]);
+    single.start(25.0);
+    let expected = single.step(&interval, 26.0, inputs.raw);
+    kernels::step_history(&mut units, &inputs, &mut output);
+    assert_eq!(output, expected);
+    kernels::update_history(&mut units, &inputs, &mut output);
+    assert_eq!(output.point, expected.point);
 
     kernels::cubic(&mut units, &inputs, &mut output);
     for axis in 0..A {

@@ -12,8 +12,10 @@
 //! |------|------|-----------|-------|
 //! | temperature, effective temperature | i32 | 2^-20 degC | sensor -273..1000 degC, `u` +-1024 degC |
 //! | rate of temperature | i32 | 2^-20 degC/min | calibrated +-2000 degC/min |
-//! | lag of the estimator | i64 | 2^-51 degC | +-2048 degC |
-//! | filter factor `alpha` | u64 | 2^-64 | 0 to 1 |
+//! | lag of the estimator and of slow parts | i64 | 2^-51 degC | +-2048 degC |
+//! | filter factor `alpha`, memory of the estimator | u64 | 2^-64 | 0 to 1 |
+//! | correction of the rate after power-on | i32 | 2^-24 | 1 to 100 |
+//! | contact of a hysteresis term | i32 | 2^-20 degC | +-1024 degC |
 //! | place in a cell `z` | i32 | 2^-31 | 0 to 1 |
 //! | rate over its full scale `R` (a power of two) | i32 | 2^-31 | -1 to 1 |
 //! | bias, gyro sample, `a0`, `2 a1`, `4 a2`, `2 R r0`, `4 R r1` of an axis | i32 | 2^exponent of its unit | bias +-2^30 places |
@@ -44,11 +46,16 @@
 //! |error| <= 8 q + 2^-20 (2 S + |r0| + |r1|)
 //! ```
 //!
-//! where `S` is the largest of `(|a1| + 2 |a2| + R |r1|)` per degC. For a bias of 1 the first part
+//! Each term of the thermal history adds `1.25 q + 2^-20 2 |gain|` to that: its rounded factor and
+//! upper word, and what half a last place of the effective temperature, of the half width or limit
+//! and of the lag make of `u - c` or `u - S`. Its gain is a factor of each axis for a figure whose
+//! full scale is a power of two, as for the rate.
+//!
+//! `S` is the largest of `(|a1| + 2 |a2| + R |r1|)` per degC. For a bias of 1 the first part
 //! is some 1e-8 and the second 1e-6 of the bias per degC: four orders below the noise of a
 //! navigation grade gyro. At an edge between cells, either neighbour may be meant within 2e-6
 //! degC of it. The rate is within 8e-5 of itself (the series of [`tempco::Interval`]) plus a
-//! last place. All limits lie where the f32 core has them to one last place per second since the
+//! last place; `t` after the start also within `(dt / t)^2`, as in the f32 core. All limits lie where the f32 core has them to one last place per second since the
 //! last good temperature, so readings at a limit may be judged differently by 1e-6 degC.
 //!
 //! Differences by design: an effective temperature beyond 1024 degC (which only a large shift
@@ -61,9 +68,9 @@
 //!
 //! | call | Cortex-M3 | Cortex-M0 |
 //! |------|----------:|----------:|
-//! | [`FixedCompensator::step`] | 509 | 1713 |
-//! | [`FixedTwoRate::update`] | 517 | 1853 |
-//! | [`FixedTwoRate::compensate`] | 129 | 308 |
+//! | [`FixedCompensator::step`] | 553 | 1992 |
+//! | [`FixedTwoRate::update`] | 569 | 2146 |
+//! | [`FixedTwoRate::compensate`] | 129 | 315 |
 //! | [`PulseCarry::compensate`] | 23 | 88 |
 //!
 //! There is no division and no loop in them. A Cortex-M0 multiplies to 64 bits by a library

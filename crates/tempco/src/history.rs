@@ -2,6 +2,12 @@
 //!
 //! A table has none of them unless its set earned them, and without them they cost nothing: no
 //! state, no instruction.
+//!
+//! They follow the effective temperature, faults and all: while it ramps to the reference because
+//! the temperature was lost, so do the contact and, in its time, the slow part. Each term is
+//! bounded by its gain and its half width or limit, and moves no faster than the effective
+//! temperature, so that neither a fault nor a return makes a step; after an interval of more than
+//! half its time constant a lag begins anew at zero.
 
 use core::hint::select_unpredictable;
 
@@ -18,7 +24,8 @@ use crate::table::{MAX_COEFFICIENT, TableError, is_within};
 /// B += gain (u - c)
 /// ```
 ///
-/// It does not depend on how fast the temperature moves (play operator; Prandtl, Krasnosel'skii).
+/// The bias then runs through a loop that is `2 w gain` high, whether the temperature cycles fast or
+/// slowly (play operator; Prandtl, Krasnosel'skii).
 /// After power-on the contact is taken to be where the temperature is: the term fades in over the
 /// first `2 w` of movement.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -214,4 +221,43 @@ const fn are_usable<const N: usize>(values: &[f32; N]) -> bool {
         i += 1;
     }
     true
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Thermal, ThermalSettings};
+
+    /// One step of each kind by hand.
+    #[test]
+    fn the_contact_and_the_slow_part_follow() {
+        let thermal = Thermal::new(ThermalSettings::DEFAULT).unwrap();
+        let interval = Interval::new(&thermal, 25.0);
+        let play = Play {
+            half_width_c: 2.0,
+            gain: [0.5],
+        };
+        let part = SlowPart {
+            tau_s: 100.0,
+            limit_c: 3.0,
+            gain: [-1.0],
+        };
+        let history = History::new(60.0, [play], [part]).unwrap();
+        let mut state = HistoryState::new(10.0);
+        // The series at a quarter of the time constant.
+        let alpha = 0.25 * (1.0 - 0.125 * (1.0 - 0.25 / 3.0));
+        let mut slow = 10.0;
+        for (effective_c, contact_c) in [(11.5, 10.0), (14.0, 12.0), (11.0, 12.0), (9.0, 11.0)] {
+            let point = state.update(&history, &interval, effective_c);
+            assert_eq!(state.contacts_c, [contact_c]);
+            assert_eq!(point.plays_c, [effective_c - contact_c]);
+            slow += alpha * (effective_c - slow);
+            assert!((point.lags_c[0] - (effective_c - slow)).abs() < 1e-6);
+            let mut bias = [100.0];
+            history.add(&point, &mut bias);
+            let added = 0.5 * point.plays_c[0] - point.lags_c[0];
+            assert!((bias[0] - 100.0 - added).abs() < 1e-5);
+        }
+        assert_eq!(state.update(&history, &interval, 80.0).lags_c, [3.0]);
+    }
 }

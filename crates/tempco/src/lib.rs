@@ -11,6 +11,9 @@
 //! ```text
 //! temperature -> conditioner -> estimator -> thermal -> table -> compensator -> compensated
 //!                (believable?)  (T', lag)    (u, T')    (bias)   (raw - bias)   + bias + status
+//!                                               |                   ^
+//!                                               +---> history ------+
+//!                                             (where u has been, if the set earned it)
 //! ```
 //!
 //! With `T` the conditioned temperature \[degC\] and `L` its first-order filtered value (before
@@ -18,12 +21,16 @@
 //!
 //! ```text
 //! T' = (T - L) / tau                          rate of temperature       [degC/min]
+//!      / max(1 - exp(-t / tau), 60 s / tau)   t after power-on; 1 for tau up to 60 s
 //! u  = T - kappa tau T'                       effective temperature     [degC]
 //! z  = (u - t_min) / cell_width - k           place within cell k       [0, 1)
 //! B  = a0 + a1 z + a2 z^2 + T' (r0 + r1 z)    bias                      [unit of the axis]
 //! ```
 //!
-//! which is the composite model of Weng et al., *Sensors* 2020, 20(2), 377 for `kappa = 0`.
+//! which is the composite model of Weng et al., *Sensors* 2020, 20(2), 377 for `kappa = 0`. Where a
+//! table has terms of the thermal history ([`Table::with_history`]), each hysteresis term adds
+//! `gain (u - c)` with a contact `c` that `u` drags along ([`Play`]), and each second lag adds
+//! `gain (u - S)` with a slow part at `S` ([`SlowPart`]).
 //! Configuration ([`Table`]) is immutable and can live in flash; all state is in the
 //! [`Compensator`].
 //!

@@ -15,7 +15,8 @@ mod image {
     use core::hint::black_box;
 
     use tempco::{Interval, Output, Table, ThermalPoint};
-    use tempco_firmware::kernels::{self, Inputs, Kernel, Units};
+    use tempco_firmware::history::{HISTORY, PLAY};
+    use tempco_firmware::kernels::{self, Inputs, Kernel, Tables, Units};
     use tempco_firmware::measure::{Span, Stopwatch};
     use tempco_firmware::table::{AXES, TABLES};
     use tempco_firmware::target::{banner, exit};
@@ -37,9 +38,13 @@ mod image {
         f32::MIN_POSITIVE,
     ];
 
-    const KERNELS: [(&str, Kernel<'static, AXES>); 8] = [
+    const KERNELS: [(&str, Kernel<'static, AXES>); 12] = [
         ("step", kernels::step),
         ("update", kernels::update),
+        ("step_play", kernels::step_play),
+        ("update_play", kernels::update_play),
+        ("step_history", kernels::step_history),
+        ("update_history", kernels::update_history),
         ("compensate", kernels::compensate),
         ("interval", kernels::interval),
         ("cubic_baseline", kernels::cubic),
@@ -77,6 +82,14 @@ mod image {
         defmt::println!(
             "size two_rate_compensator {=usize}",
             size_of::<tempco::TwoRateCompensator<'static, AXES>>()
+        );
+        defmt::println!(
+            "size compensator_play {=usize}",
+            size_of::<tempco::Compensator<'static, AXES, 1>>()
+        );
+        defmt::println!(
+            "size compensator_history {=usize}",
+            size_of::<tempco::Compensator<'static, AXES, 1, 1>>()
         );
         defmt::println!(
             "size thermal_state {=usize}",
@@ -122,24 +135,32 @@ mod image {
             temp_c,
             raw: [raw; AXES],
         };
-        let fresh = Units::new(table, 100);
-        let mut steady = fresh.clone();
-        steady.start(25.0);
-        for _ in 0..60 {
-            steady.single.step(&second, 25.0, inputs.raw);
-            steady.two_rate.update(&second, 25.0);
-        }
-        let mut again = fresh.clone();
-        again.start(temp_c);
-        again.single.step(&inputs.interval, temp_c, inputs.raw);
-        again.two_rate.update(&inputs.interval, temp_c);
-
-        let output = Output {
+        let mut output = Output {
             compensated: [0.0; AXES],
             bias: [0.0; AXES],
             point: ThermalPoint::default(),
             status: tempco::Status::OK,
         };
+        let tables = Tables {
+            plain: table,
+            play: &PLAY,
+            history: &HISTORY[0],
+        };
+        let fresh = Units::new(tables, 100);
+        let mut steady = fresh.clone();
+        steady.start(25.0);
+        let calm = Inputs {
+            interval: second,
+            dt_s: 1.0,
+            temp_c: 25.0,
+            ..inputs
+        };
+        for _ in 0..60 {
+            steady.advance(&calm, &mut output);
+        }
+        let mut again = fresh.clone();
+        again.start(temp_c);
+        again.advance(&inputs, &mut output);
         for units in [fresh, steady, again] {
             let state = (units, output);
             let counts = |kernel: Kernel<'static, AXES>| {

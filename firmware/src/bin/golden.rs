@@ -1,10 +1,11 @@
 //! Image and program `golden MILLIONS`: hashes of what the core makes of so many million samples.
 //!
-//! A line is `golden MILLION HASH`, 0 being the run on subnormal numbers. This is the one image
+//! A line is `golden MILLION HASH HASH`, 0 being the run on subnormal numbers, the second hash that
+//! of the table with terms of the thermal history. This is the one image
 //! that does the same on the host, so that both can be compared.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
-use tempco_firmware::{golden, table::TABLES};
+use tempco_firmware::{golden, history::HISTORY, table::TABLES};
 
 #[cfg(not(target_os = "none"))]
 fn main() -> std::process::ExitCode {
@@ -13,8 +14,8 @@ fn main() -> std::process::ExitCode {
         eprintln!("usage: golden MILLIONS");
         return std::process::ExitCode::from(2);
     };
-    golden::run(&TABLES, millions, |million, hash| {
-        println!("golden {million} {hash:016x}");
+    golden::run(&TABLES, &HISTORY, millions, |million, hash, history| {
+        println!("golden {million} {hash:016x} {history:016x}");
     });
     std::process::ExitCode::SUCCESS
 }
@@ -30,8 +31,13 @@ fn main() -> ! {
         defmt::error!("usage: golden MILLIONS");
         exit(false)
     };
-    golden::run(&TABLES, millions, |million, hash| {
-        defmt::println!("golden {=u32} {=u64:016x}", million, hash);
+    golden::run(&TABLES, &HISTORY, millions, |million, hash, history| {
+        defmt::println!(
+            "golden {=u32} {=u64:016x} {=u64:016x}",
+            million,
+            hash,
+            history
+        );
     });
     exit(true)
 }

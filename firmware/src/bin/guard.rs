@@ -24,7 +24,8 @@ mod image {
         Interval, Output, Status, Table, TableError, Terms, Thermal, ThermalPoint, ThermalSettings,
     };
     use tempco_firmware::guard::report_and_exit;
-    use tempco_firmware::kernels::{self, Inputs, Units};
+    use tempco_firmware::history::{HISTORY, PLAY};
+    use tempco_firmware::kernels::{self, Inputs, Tables, Units};
     use tempco_firmware::table::{AXES, CHANNELS, CRC, TABLES};
     use tempco_replay::{Header, HeaderError, Record, RecordError, Replay, Sample};
 
@@ -46,7 +47,12 @@ mod image {
     /// The core as it flies, through the functions whose costs are published.
     #[inline(never)]
     fn compensators() {
-        let mut units = Units::new(black_box(&TABLES[0]), black_box(16));
+        let tables = Tables {
+            plain: &TABLES[0],
+            play: &PLAY,
+            history: &HISTORY[0],
+        };
+        let mut units = Units::new(black_box(tables), black_box(16));
         units.start(black_box(25.0));
         let mut output = Output {
             compensated: [0.0; AXES],
@@ -65,6 +71,10 @@ mod image {
             // One by one: a loop over function pointers would hide the calls from the ELF check.
             kernels::step(black_box(&mut units), black_box(&inputs), &mut output);
             kernels::update(black_box(&mut units), black_box(&inputs), &mut output);
+            kernels::step_play(black_box(&mut units), black_box(&inputs), &mut output);
+            kernels::update_play(black_box(&mut units), black_box(&inputs), &mut output);
+            kernels::step_history(black_box(&mut units), black_box(&inputs), &mut output);
+            kernels::update_history(black_box(&mut units), black_box(&inputs), &mut output);
             kernels::compensate(black_box(&mut units), black_box(&inputs), &mut output);
             kernels::interval(black_box(&mut units), black_box(&inputs), &mut output);
             black_box(&output);

@@ -5,9 +5,13 @@ use std::path::Path;
 use crate::{CallGraph, Error, Image, Kernel, Lines, Site, forbidden_symbols, is_failure_path};
 
 /// The functions that run for every sample.
-pub const KERNELS: [&str; 4] = [
+pub const KERNELS: [&str; 8] = [
     "kernels::step",
     "kernels::update",
+    "kernels::step_play",
+    "kernels::update_play",
+    "kernels::step_history",
+    "kernels::update_history",
     "kernels::compensate",
     "kernels::interval",
 ];

@@ -6,8 +6,8 @@
 (define-fun limit_c () F32 (fp.abs |slow_part.slow_parts.limit_c|))
 ; That of ThermalState::update.
 (define-fun effective_bound () F32 ((_ to_fp 8 24) RNE 2097152.0))
-(define-fun filter_bound () F32 ((_ to_fp 8 24) RNE 8388608.0))
-(define-fun remainder_bound () F32 ((_ to_fp 8 24) RNE 1.0))
+(define-fun filter_bound () F32 ((_ to_fp 8 24) RNE 137438953472.0))
+(define-fun remainder_bound () F32 ((_ to_fp 8 24) RNE 8192.0))
 (define-fun value () F32 |slow.slow_parts.value|)
 (define-fun remainder () F32 |slow.slow_parts.remainder|)
 
@@ -65,7 +65,7 @@
 ;@ claim finite: every part of the state is finite
 (and (finite |slow'.slow_parts.value|) (finite |slow'.slow_parts.remainder|))
 
-;@ claim kept_value slow: the invariant of the filtered temperature is kept
+;@ claim kept_value: the invariant of the filtered temperature is kept
 (within |slow'.slow_parts.value| (fp.neg filter_bound) filter_bound)
 
 ;@ claim kept_remainder slow: the invariant of the remainder is kept

@@ -11,8 +11,8 @@
 (define-fun remainder_bound () F32 ((_ to_fp 8 24) RNE 8192.0))
 (define-fun effective_bound () F32 ((_ to_fp 8 24) RNE 2097152.0))
 (define-fun one () F32 ((_ to_fp 8 24) RNE 1.0))
-(define-fun memory_most () F32 ((_ to_fp 8 24) RNE 1.00000012))
-(define-fun memory_rest () F32 ((_ to_fp 8 24) RNE 0.00000012))
+(define-fun memory_bound () F32 ((_ to_fp 8 24) RNE 67108864.0))
+(define-fun memory_rest () F32 ((_ to_fp 8 24) RNE 4.0))
 (define-fun gain_most () F32 ((_ to_fp 8 24) RNE 128.0))
 (define-fun temp_bound () F32 ((_ to_fp 8 24) RNE 2048.0))
 ; Magnitudes that are kept as bits.
@@ -51,7 +51,7 @@
 
 ;@ define
 (define-fun memory_invariant ((value F32) (remainder F32)) Bool
-  (and (within value zero memory_most)
+  (and (within value (fp.neg memory_bound) memory_bound)
        (within remainder (fp.neg memory_rest) memory_rest)))
 (define-fun invariant ((temp F32) (age (_ BitVec 32)) (filtered F32) (remainder F32)
                        (effective F32)) Bool
@@ -167,12 +167,8 @@
 (= |state'.estimator.gain| (ite (fp.gt newton one) newton one))
 
 ;@ claim no_correction: with a time constant of 60 s or less, a gain of 1 stays
-(=> (and (= |thermal.least_memory| one) (= |state.estimator.gain| one)
-         (within |state'.estimator.memory.value| zero one))
+(=> (and (= |thermal.least_memory| one) (= |state.estimator.gain| one))
     (= |state'.estimator.gain| one))
-
-;@ claim kept_memory slow: the invariant of the memory is kept
-(memory_invariant |state'.estimator.memory.value| |state'.estimator.memory.remainder|)
 
 ;@ claim kept_gain slow by gain_equation: the invariant of the gain is kept
 (within |state'.estimator.gain| one gain_most)
@@ -218,7 +214,9 @@
 
 ;@ claim finite: every output and every part of the state is finite
 (and (finite |effective_c'.value|) (finite |rate_c_per_min'.value|) (finite |state'.conditioner.temp_c|)
-     (finite |state'.estimator.filtered.value|) (finite |state'.estimator.filtered.remainder|) (finite |state'.effective_c|))
+     (finite |state'.estimator.filtered.value|) (finite |state'.estimator.filtered.remainder|)
+     (finite |state'.estimator.memory.value|) (finite |state'.estimator.memory.remainder|)
+     (finite |state'.estimator.gain|) (finite |state'.effective_c|))
 
 ;@ claim kept: the invariant of temperature and times is kept
 (and (within |state'.conditioner.temp_c| (fp.neg temp_bound) temp_bound)
@@ -229,6 +227,12 @@
 
 ;@ claim kept_filtered: the invariant of the filtered temperature is kept
 (within |state'.estimator.filtered.value| (fp.neg filter_bound) filter_bound)
+
+;@ claim kept_memory: the invariant of the memory is kept
+(within |state'.estimator.memory.value| (fp.neg memory_bound) memory_bound)
+
+;@ claim kept_memory_rest slow: the invariant of what rounding left out of the memory is kept
+(within |state'.estimator.memory.remainder| (fp.neg memory_rest) memory_rest)
 
 ;@ claim kept_remainder slow: the invariant of the remainder is kept
 (within |state'.estimator.filtered.remainder| (fp.neg remainder_bound) remainder_bound)

@@ -72,13 +72,15 @@ pub fn script(table: &TableData, axis: usize) -> String {
     text
 }
 
-/// Error of the polynomial for coefficients and rates of magnitude 1 at most \[2^-24\].
-pub const GENERIC_UNITS: u32 = 19;
+/// Error of the bias for coefficients and rates of magnitude 1 at most, with a hysteresis term and
+/// a second lag of gains and figures of magnitude 1 at most, or without \[2^-24\].
+pub const GENERIC_UNITS: u32 = 20;
 
 /// The theorem for any table, scaled by powers of two.
 pub fn generic_script() -> String {
-    let bias = bias(["a0", "a1", "a2"], ["r0", "r1"]);
-    let names = ["a0", "a1", "a2", "r0", "r1", "t", "z"];
+    let table = bias(["a0", "a1", "a2"], ["r0", "r1"]);
+    let bias = format!("(({table}) + g * p) + h * s");
+    let names = ["a0", "a1", "a2", "r0", "r1", "t", "z", "g", "p", "h", "s"];
     let mut text = ROUNDING.to_owned();
     for name in names {
         writeln!(text, "{name} = rnd({name}_);").ok();

@@ -49,6 +49,15 @@ fn unordered_comparisons_are_true_of_nan_and_ordered_ones_false() {
 }
 
 #[test]
+fn a_sign_is_taken_over_only_from_numbers() {
+    let body = "  %1 = tail call float @llvm.copysign.f32(float 1.000000e+00, float %x)\n  \
+                ret float %1";
+    let out = run(body).unwrap();
+    assert!(out.body.contains("(ite (fp.isNegative |x|) (fp.neg "));
+    assert_eq!(out.demands[0].1, "(not (fp.isNaN |x|))");
+}
+
+#[test]
 fn conversions_saturate_and_take_nan_to_zero() {
     let body = "  %1 = tail call i32 @llvm.fptosi.sat.i32.f32(float %x)\n  \
                 %2 = sitofp i32 %1 to float\n  ret float %2";

@@ -108,6 +108,12 @@ impl State {
         let parts: Vec<&str> = name.split('.').collect();
         let value = match (&parts[..], &values[..]) {
             (["fabs", "f32"], [Value::Float(a)]) => self.magnitude(a),
+            (["copysign", "f32"], [Value::Float(a), Value::Float(b)]) => {
+                // The sign of a NaN is not known.
+                self.demand(&instruction.line, &format!("(not (fp.isNaN {b}))"));
+                let size = format!("(fp.abs {a})");
+                Value::Float(format!("(ite (fp.isNegative {b}) (fp.neg {size}) {size})"))
+            }
             ([op @ ("fptosi" | "fptoui"), "sat", _, "f32"], [Value::Float(a)]) => {
                 let width = parts[2]
                     .strip_prefix('i')
