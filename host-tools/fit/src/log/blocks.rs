@@ -22,16 +22,21 @@ pub(super) struct Block {
 }
 
 impl Block {
-    fn new(mut bytes: Vec<u8>, first_line: u64) -> Self {
-        let is_plain = is_plain(&bytes);
-        if is_plain && bytes.last().is_some_and(|&byte| byte != b'\n') {
-            bytes.push(b'\n');
-        }
-        Self {
+    fn new(bytes: Vec<u8>, first_line: u64) -> Self {
+        let mut block = Self {
             bytes,
             start: 0,
             first_line,
-            is_plain,
+            is_plain: false,
+        };
+        block.see_whether_plain();
+        block
+    }
+
+    fn see_whether_plain(&mut self) {
+        self.is_plain = is_plain(self.text());
+        if self.is_plain && self.text().last().is_some_and(|&byte| byte != b'\n') {
+            self.bytes.push(b'\n');
         }
     }
 
@@ -53,7 +58,7 @@ impl Block {
         let (rest, passed) = (records.rest().len(), records.line());
         self.first_line += u64::from(passed);
         self.start = self.bytes.len() - rest;
-        self.is_plain = is_plain(self.text());
+        self.see_whether_plain();
         Some(header)
     }
 }
@@ -184,6 +189,19 @@ mod tests {
             texts("a\rb\rc", 4),
             [block(1, false, "a\r"), block(2, false, "b\rc")]
         );
+    }
+
+    /// What is left behind the header may be plain where the whole was not.
+    #[test]
+    fn a_plain_block_ends_with_a_line_feed() {
+        let mut block = Blocks::new("a,b\r1,2".as_bytes(), 100)
+            .next()
+            .unwrap()
+            .unwrap();
+        assert!(!block.is_plain);
+        assert_eq!(block.take_header().unwrap().len(), 2);
+        assert!(block.is_plain);
+        assert_eq!(block.text(), b"1,2\n");
     }
 
     #[test]
