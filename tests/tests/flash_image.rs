@@ -38,7 +38,10 @@ fn the_image_holds_the_tables_of_the_set() {
         assert_eq!(image.channels(), set.channels.len());
         let data = &set.channels[0].table;
         let cells = data.terms::<3>(0);
-        assert_eq!(image.table::<3>(0).unwrap(), data.table(&cells).unwrap());
+        assert_eq!(
+            image.table::<3>(0).unwrap(),
+            data.five_term_table(&cells).unwrap()
+        );
     }
 }
 
