@@ -24,7 +24,7 @@ pub enum FitError {
     /// The estimator cannot work at the log's interval.
     #[error(
         "{file}: rows are {interval_s} s apart, more than half the rate estimator's time constant \
-         of {tau_s} s: choose a longer one by --rate-tau"
+         of {tau_s} s: expected time in seconds; if it is, choose a longer one by --rate-tau"
     )]
     Interval {
         /// The log.

@@ -23,14 +23,39 @@ const SIMULATED_HZ: f64 = 20.0;
 /// The segments of the paper, in degC.
 const SEGMENTS: &str = "-15:15,5:35,25:60,50:80";
 
-/// Fits a simulated log from CSV to coefficients: process start included, all programs in one run
+/// Rows of a log of usual size.
+const USUAL_ROWS: u32 = 100_000;
+
+/// A program and its fastest run.
+struct Job<'a> {
+    /// What is done, and the key of its figures.
+    name: &'static str,
+    rows: u64,
+    command: Box<dyn Fn() -> Command + 'a>,
+    best: Option<Taken>,
+}
+
+impl<'a> Job<'a> {
+    fn new(name: &'static str, rows: u64, command: impl Fn() -> Command + 'a) -> Self {
+        Self {
+            name,
+            rows,
+            command: Box::new(command),
+            best: None,
+        }
+    }
+}
+
+/// Fits simulated logs from CSV to coefficients: process start included, all programs in one run
 /// since the machine's load shows in each.
 pub(super) fn figures(workspace: &Workspace, rows: u32) -> Result<Value> {
     let program = build_tempco(workspace, &["--release"])?;
     let folder = workspace.root().join("target/bench");
     std::fs::create_dir_all(&folder)?;
-    let log = folder.join("host.csv");
+    let (log, usual) = (folder.join("host.csv"), folder.join("usual.csv"));
     let rows = write_log(&log, rows)?;
+    let usual_rows = write_log(&usual, USUAL_ROWS)?;
+    let simulated = SIMULATED_HZ * Profile::named("calibration")?.duration_s() + 1.0;
 
     let simulate = || {
         let mut command = Command::new(&program);
@@ -39,59 +64,68 @@ pub(super) fn figures(workspace: &Workspace, rows: u32) -> Result<Value> {
         command.arg("--out").arg(folder.join("simulated.csv"));
         command
     };
-    let fit = || {
+    let fit = |log: &Path, options: &[&str]| {
         let mut command = Command::new(&program);
-        command.arg("fit").arg(&log).args(["--serial", "BENCH"]);
-        command.args(["--segments", SEGMENTS]);
-        // The peers draw no figures either.
-        command.arg("--no-report");
-        command.arg("--out").arg(folder.join("set"));
+        command.arg("fit").arg(log).args(["--serial", "BENCH"]);
+        command.arg("--out").arg(folder.join("set")).args(options);
         command
     };
+    let composite = ["--segments", SEGMENTS, "--no-report"];
+    let spline = ["--model", "spline", "--no-report"];
+    let auto = ["--model", "auto", "--no-report"];
+    let with_report = ["--segments", SEGMENTS];
     let python = peers::install(workspace);
-    if let Err(error) = &python {
-        println!("pandas and polars are not measured: {error:#}");
-    }
-    let mut fitting: Option<Taken> = None;
-    let mut simulating = fitting;
-    let mut of_peers = [None; PEERS.len()];
-    for _ in 0..ROUNDS {
-        keep_best(&mut simulating, watch(&mut simulate())?);
-        keep_best(&mut fitting, watch(&mut fit())?);
-        if let Ok(python) = &python {
-            for (peer, best) in PEERS.iter().zip(&mut of_peers) {
-                let taken = watch(&mut peers::command(workspace, python, peer, &log))?;
-                keep_best(best, taken);
+    let mut jobs = vec![
+        // The peers draw no figures either: without the report.
+        Job::new("fit", rows, || fit(&log, &composite)),
+        Job::new("auto", rows, || fit(&log, &auto)),
+        Job::new("with_report", rows, || fit(&log, &with_report)),
+        Job::new("usual_fit", usual_rows, || fit(&usual, &composite)),
+        Job::new("usual_spline", usual_rows, || fit(&usual, &spline)),
+        Job::new("simulate", simulated as u64, simulate),
+    ];
+    match &python {
+        Ok(python) => {
+            for peer in PEERS {
+                let log = &log;
+                let command = move || peers::command(workspace, python, peer, log);
+                jobs.push(Job::new(peer, rows, command));
             }
         }
+        Err(error) => println!("pandas and polars are not measured: {error:#}"),
     }
-    std::fs::remove_file(&log)?;
-
-    println!("this machine, best of {ROUNDS}, {rows} rows of three axes from CSV to coefficients");
-    println!("                    rows/s  peak MiB  times slower");
-    let mut of_host = Map::new();
-    of_host.insert("rows".to_owned(), json!(rows));
-    if let Some(taken) = simulating {
-        let simulated = SIMULATED_HZ * Profile::named("calibration")?.duration_s() + 1.0;
-        let rows_per_s = (simulated / taken.seconds).round();
-        of_host.insert("simulate_rows_per_s".to_owned(), json!(rows_per_s));
-    }
-    if let Some(fitting) = fitting {
-        show("tempco fit", rows, fitting, fitting);
-        of_host.insert("fit_rows_per_s".to_owned(), per_s(rows, fitting));
-        let peak = json!(fitting.peak_memory_bytes);
-        of_host.insert("peak_memory_bytes".to_owned(), peak);
-        for (peer, best) in PEERS.iter().zip(of_peers) {
-            let Some(best) = best else { continue };
-            show(peer, rows, best, fitting);
-            let figures = json!({
-                "rows_per_s": per_s(rows, best),
-                "ratio": best.seconds / fitting.seconds,
-                "peak_memory_bytes": best.peak_memory_bytes,
-            });
-            of_host.insert((*peer).to_owned(), figures);
+    for _ in 0..ROUNDS {
+        for job in &mut jobs {
+            keep_best(&mut job.best, watch(&mut (job.command)())?);
         }
     }
+    println!("this machine, best of {ROUNDS}, three axes from CSV to coefficients");
+    println!("                      rows   seconds      rows/s  peak MiB  times fit");
+    let fitting = jobs[0].best;
+    let mut of_host = Map::new();
+    for job in &jobs {
+        let (Some(taken), Some(fitting)) = (job.best, fitting) else {
+            continue;
+        };
+        let (seconds, ratio) = (taken.seconds, taken.seconds / fitting.seconds);
+        println!(
+            "  {:12} {:>11} {seconds:>9.2} {:>11.0} {:>9.1} {ratio:>10.2}",
+            job.name,
+            job.rows,
+            job.rows as f64 / seconds,
+            taken.peak_memory_bytes as f64 / (1 << 20) as f64,
+        );
+        let figures = json!({
+            "rows": job.rows,
+            "seconds": seconds,
+            "rows_per_s": (job.rows as f64 / seconds).round(),
+            "ratio": ratio,
+            "peak_memory_bytes": taken.peak_memory_bytes,
+        });
+        of_host.insert(job.name.to_owned(), figures);
+    }
+    drop(jobs);
+    std::fs::remove_file(&log)?;
     Ok(Value::Object(of_host))
 }
 
@@ -99,19 +133,6 @@ fn keep_best(best: &mut Option<Taken>, taken: Taken) {
     if best.is_none_or(|best| taken.seconds < best.seconds) {
         *best = Some(taken);
     }
-}
-
-fn per_s(rows: u64, taken: Taken) -> Value {
-    json!((rows as f64 / taken.seconds).round())
-}
-
-fn show(name: &str, rows: u64, taken: Taken, tempco: Taken) {
-    println!(
-        "  {name:12} {:>11.0} {:>9.1} {:>13.2}",
-        rows as f64 / taken.seconds,
-        taken.peak_memory_bytes as f64 / (1 << 20) as f64,
-        taken.seconds / tempco.seconds
-    );
 }
 
 /// Writes a log of about so many rows with values of as many digits as real logs have.
