@@ -105,9 +105,9 @@ fn inspect_shows_an_image_and_compares_it() {
     with_history(&bench);
     let shown = bench.ok("inspect with/table.bin --against with/coefficients.json");
     for part in [
-        "play: half width 2.5 degC, gains 0.25 deg/h per degC, -0.5 deg/h per degC, 0.125 deg/h",
+        "play: half width 2.5 degC, gain per degC 0.25 pulses/s, -0.5 pulses/s, 0.125 pulses/s",
         "play: half width 8 degC",
-        "slow part: tau 900 s, lag up to 4.25 degC, gains -0.75 deg/h per degC",
+        "slow part: tau 900 s, lag up to 4.25 degC, gain per degC -0.75 pulses/s",
         "the image is that of with",
     ] {
         assert!(shown.contains(part), "{part}: {shown}");
