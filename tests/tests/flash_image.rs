@@ -5,9 +5,10 @@ use std::process::Command;
 
 use tempco::{Play, SlowPart};
 use tempco_fit::load_set;
-use tempco_fit::set::{CoefficientSet, GainSet, PlayData, SlowPartData, table_bin, table_h};
+use tempco_fit::set::{CoefficientSet, PlayData, table_bin, table_h};
 use tempco_image::{AlignedBytes, Image};
 use tempco_tests::Bench;
+use tempco_tests::history::add_history;
 
 fn fitted(model: &str) -> Bench {
     let bench = Bench::new();
@@ -20,31 +21,16 @@ fn fitted(model: &str) -> Bench {
     bench
 }
 
-/// Gives a set of three axes two plays and a slow part, and writes it as `with/coefficients.json`,
-/// `with/table.bin` and `with/table.h`.
+/// The set with history terms, written as `with/coefficients.json`, `with/table.bin` and
+/// `with/table.h`.
 fn with_history(bench: &Bench) -> CoefficientSet {
     let mut set = load_set(&bench.path("set/coefficients.json")).unwrap();
-    for channel in &mut set.channels {
-        let play = |half_width_c, gain: [f32; 3]| PlayData {
-            half_width_c,
-            gain: gain.to_vec(),
-        };
-        channel.table.plays = vec![play(2.5, [0.25, -0.5, 0.125]), play(8.0, [0.01, 0.0, 1e-9])];
-        channel.table.slow_parts = vec![SlowPartData {
-            tau_s: 900.0,
-            limit_c: 4.25,
-            gain: vec![-0.75, 0.0625, 3.0],
-        }];
-        for axis in &mut channel.axes {
-            axis.gains = vec![GainSet::default(); 3];
-        }
-    }
-    set.table_crc32 = format!("{:08x}", set.crc32());
+    add_history(&mut set);
     fs::create_dir(bench.path("with")).unwrap();
     let json = serde_json::to_string(&set).unwrap();
-    fs::write(bench.path("with/coefficients.json"), json).unwrap();
+    bench.write("with/coefficients.json", &json);
+    bench.write("with/table.h", &table_h(&set));
     fs::write(bench.path("with/table.bin"), table_bin(&set).unwrap()).unwrap();
-    fs::write(bench.path("with/table.h"), table_h(&set)).unwrap();
     set
 }
 
