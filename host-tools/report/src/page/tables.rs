@@ -7,7 +7,7 @@ use tempco_fit::{Candidate, HeldOutErrors};
 
 use super::{axis_cell, cell, table};
 use crate::band::sigma_at;
-use crate::text::figure;
+use crate::text::{figure, states};
 
 /// Runner-ups that are shown; the set holds all.
 const SHOWN: usize = 6;
@@ -225,6 +225,7 @@ fn candidates(chosen: &Candidate, others: &[Candidate]) -> Markup {
             cell(of.rate_columns),
             cell(format!("{:.0} s", of.tau_s)),
             cell(format!("{:.2}", of.kappa)),
+            cell(states(of)),
             cell(format!("{:.2} %", 100.0 * of.excess)),
             cell(format!("{:.2} %", 100.0 * of.excess_sigma)),
         ]
@@ -240,6 +241,7 @@ fn candidates(chosen: &Candidate, others: &[Candidate]) -> Markup {
         "of rate",
         "tau",
         "kappa",
+        "states",
         "above best",
         "s.e.",
     ];
