@@ -3,6 +3,7 @@
 #![forbid(unsafe_code)]
 
 pub mod browser;
+pub mod history;
 pub mod ln100;
 
 use std::path::{Path, PathBuf};

@@ -3,9 +3,12 @@
 use std::fs;
 use std::process::Command;
 
+use tempco::{Play, SlowPart};
 use tempco_fit::load_set;
+use tempco_fit::set::{CoefficientSet, PlayData, table_bin, table_h};
 use tempco_image::{AlignedBytes, Image};
 use tempco_tests::Bench;
+use tempco_tests::history::add_history;
 
 fn fitted(model: &str) -> Bench {
     let bench = Bench::new();
@@ -16,6 +19,19 @@ fn fitted(model: &str) -> Bench {
     ));
     assert!(ran.code < 2, "{}", ran.err);
     bench
+}
+
+/// The set with history terms, written as `with/coefficients.json`, `with/table.bin` and
+/// `with/table.h`.
+fn with_history(bench: &Bench) -> CoefficientSet {
+    let mut set = load_set(&bench.path("set/coefficients.json")).unwrap();
+    add_history(&mut set);
+    fs::create_dir(bench.path("with")).unwrap();
+    let json = serde_json::to_string(&set).unwrap();
+    bench.write("with/coefficients.json", &json);
+    bench.write("with/table.h", &table_h(&set));
+    fs::write(bench.path("with/table.bin"), table_bin(&set).unwrap()).unwrap();
+    set
 }
 
 fn aligned(bytes: &[u8]) -> Box<AlignedBytes<65_536>> {
@@ -38,10 +54,25 @@ fn the_image_holds_the_tables_of_the_set() {
         assert_eq!(image.channels(), set.channels.len());
         let data = &set.channels[0].table;
         let cells = data.terms::<3>(0);
-        assert_eq!(
-            image.table::<3>(0).unwrap(),
-            data.five_term_table(&cells).unwrap()
-        );
+        let table = data.five_term_table(&cells).unwrap();
+        assert_eq!(image.table::<3, 0, 0>(0).unwrap(), table);
+
+        let data = &with_history(&bench).channels[0].table;
+        let place = aligned(&fs::read(bench.path("with/table.bin")).unwrap());
+        let image = Image::read(&place.0).unwrap();
+        let play = |of: &PlayData| Play {
+            half_width_c: of.half_width_c,
+            gain: of.gain[..].try_into().unwrap(),
+        };
+        let slow = &data.slow_parts[0];
+        let slow_part = SlowPart {
+            tau_s: slow.tau_s,
+            limit_c: slow.limit_c,
+            gain: slow.gain[..].try_into().unwrap(),
+        };
+        let plays = [play(&data.plays[0]), play(&data.plays[1])];
+        let table = table.with_history(plays, [slow_part]).unwrap();
+        assert_eq!(image.table::<3, 2, 1>(0).unwrap(), table);
     }
 }
 
@@ -56,6 +87,19 @@ fn inspect_shows_an_image_and_compares_it() {
     let ran = bench.run("inspect set/table.bin --against other/coefficients.json");
     assert_eq!(ran.code, 1, "{}", ran.err);
     assert!(ran.err.contains("is not the image of"), "{}", ran.err);
+
+    with_history(&bench);
+    let shown = bench.ok("inspect with/table.bin --against with/coefficients.json");
+    for part in [
+        "play: half width 2.5 degC, gain per degC 0.25 pulses/s, -0.5 pulses/s, 0.125 pulses/s",
+        "play: half width 8 degC",
+        "slow part: tau 900 s, lag up to 4.25 degC, gain per degC -0.75 pulses/s",
+        "the image is that of with",
+    ] {
+        assert!(shown.contains(part), "{part}: {shown}");
+    }
+    let ran = bench.run("inspect with/table.bin --against set/coefficients.json");
+    assert_eq!(ran.code, 1, "{}", ran.err);
 
     let good = fs::read(bench.path("set/table.bin")).unwrap();
     let mut flipped = good.clone();
@@ -93,37 +137,57 @@ fn a_serial_number_that_no_image_can_hold_is_refused() {
 #[test]
 fn the_c_header_compiles_and_holds_the_same_numbers() {
     let bench = fitted("");
-    bench.write(
-        "print.c",
-        r#"#include <stdio.h>
-#include "set/table.h"
-#include "set/table.h"
+    with_history(&bench);
+    for folder in ["set", "with"] {
+        let Some(printed) = printed_by_c(&bench, folder) else {
+            println!("skipped: there is no gcc");
+            return;
+        };
+        let image = fs::read(bench.path(&format!("{folder}/table.bin"))).unwrap();
+        // The channel as in the image, but for the codes of the units.
+        let (head, rest) = (&image[72..136], &image[144..image.len() - 4]);
+        assert_eq!(printed, [head, rest, b"SN?7"].concat(), "{folder}");
+    }
+}
+
+/// What a program prints that was compiled with `folder/table.h`: the numbers in the order of the
+/// image.
+fn printed_by_c(bench: &Bench, folder: &str) -> Option<Vec<u8>> {
+    let program = r#"#include <stdio.h>
+#include "table.h"
+#include "table.h"
 int main(void) {
-    fwrite(&tempco_channels[0].thermal, sizeof(tempco_thermal_t), 1, stdout);
-    fwrite(&tempco_channels[0].first_edge_c, sizeof(float), 4, stdout);
-    fwrite(&tempco_channels[0].cell_count, sizeof(uint32_t), 1, stdout);
-    fwrite(tempco_channels[0].cells, sizeof(tempco_terms_t),
-           tempco_channels[0].cell_count * TEMPCO_AXES, stdout);
+    const tempco_channel_t *channel = &tempco_channels[0];
+    uint32_t i;
+    fwrite(&channel->thermal, sizeof(tempco_thermal_t), 1, stdout);
+    fwrite(&channel->first_edge_c, sizeof(float), 4, stdout);
+    fwrite(&channel->cell_count, sizeof(uint32_t), 1, stdout);
+    for (i = 0; i < channel->play_count; i++) {
+        fwrite(&channel->plays[i].half_width_c, sizeof(float), 1, stdout);
+        fwrite(channel->plays[i].gain, sizeof(float), TEMPCO_AXES, stdout);
+    }
+    for (i = 0; i < channel->slow_part_count; i++) {
+        fwrite(&channel->slow_parts[i].tau_s, sizeof(float), 1, stdout);
+        fwrite(&channel->slow_parts[i].limit_c, sizeof(float), 1, stdout);
+        fwrite(channel->slow_parts[i].gain, sizeof(float), TEMPCO_AXES, stdout);
+    }
+    fwrite(channel->cells, sizeof(tempco_terms_t), channel->cell_count * TEMPCO_AXES, stdout);
     fputs(TEMPCO_SERIAL, stdout);
     return TEMPCO_CHANNELS - 1;
 }
-"#,
-    );
+"#;
+    bench.write(&format!("{folder}/print.c"), program);
     let compiled = Command::new("gcc")
-        .current_dir(bench.path("."))
+        .current_dir(bench.path(folder))
         .args(["-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic"])
         .args(["print.c", "-o", "print"])
-        .output();
-    let Ok(compiled) = compiled else {
-        println!("skipped: there is no gcc");
-        return;
-    };
+        .output()
+        .ok()?;
     let errors = String::from_utf8_lossy(&compiled.stderr);
     assert!(compiled.status.success(), "{errors}");
-    let ran = Command::new(bench.path("print")).output().unwrap();
+    let ran = Command::new(bench.path(folder).join("print"))
+        .output()
+        .unwrap();
     assert!(ran.status.success());
-    let image = fs::read(bench.path("set/table.bin")).unwrap();
-    // The channel as in the image, but for the codes of the units.
-    let (head, cells) = (&image[72..136], &image[144..image.len() - 4]);
-    assert_eq!(ran.stdout, [head, cells, b"SN?7"].concat());
+    Some(ran.stdout)
 }

@@ -6,7 +6,9 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use serde_json::Value;
+use tempco_fit::load_set;
 use tempco_tests::browser::{Browser, Findings, Screen};
+use tempco_tests::history::add_history;
 use tempco_tests::{Bench, PAPER_SEGMENTS, root, shared, tempco_path};
 
 const NARROW: u32 = 390;
@@ -156,6 +158,53 @@ fn the_page_rejects_what_does_harm_and_trusts_no_name() {
     assert!(rejected.contains("axis z: compensation is no better than none on turned.csv"));
     bench.ok("evaluate set/coefficients.json log.csv --report log.html");
     assert!(page("log.html").contains("judged on a log it was fitted to"));
+}
+
+#[test]
+fn history_terms_have_a_table_where_there_are_any() {
+    const CAPTION: &str = "the terms of the thermal history are left out of it";
+    const HEAD: &str = "lag up to [degC]";
+    let bench = Bench::new();
+    bench.ok("simulate --unit paper --profile short --seed 3 --out log.csv");
+    bench.ok("fit log.csv --serial S1 --out set --segments 6:45");
+    let without = fs::read_to_string(bench.path("set/report.html")).unwrap();
+    assert!(!without.contains(CAPTION) && !without.contains(HEAD));
+
+    let mut set = load_set(&bench.path("set/coefficients.json")).unwrap();
+    add_history(&mut set);
+    bench.write("with.json", &serde_json::to_string(&set).unwrap());
+    // The terms are made up: whether they do any good is not the matter here.
+    let ran = bench.run("evaluate with.json log.csv --report with.html");
+    assert!(ran.code < 2, "{}", ran.err);
+    let page = fs::read_to_string(bench.path("with.html")).unwrap();
+    assert!(page.contains(CAPTION) && page.contains(HEAD));
+    let (_, table) = page.split_once(HEAD).unwrap();
+    let rows: Vec<&str> = table.split("<tr>").skip(1).take(9).collect();
+    let text_of = |row: &str| -> String {
+        let cells = row.replace("</td>", "|");
+        let parts = cells.split('<');
+        parts
+            .map(|part| part.split_once('>').map_or(part, |(_, text)| text))
+            .collect()
+    };
+    for (row, expected) in [
+        (0, "x [pulses/s]|play|2.500|-|-|0.2500\u{b1} 1.6e-2|"),
+        (4, "y [pulses/s]|play|8.000|-|-|-|"),
+        (
+            8,
+            "z [pulses/s]|slow part|-|900.0|4.250|3.000\u{b1} 1.9e-1|",
+        ),
+    ] {
+        let found = text_of(rows[row]);
+        assert!(found.starts_with(expected), "row {row}: {found}");
+    }
+    let screen = Screen {
+        width: NARROW,
+        dark: false,
+    };
+    let names = figures(&["x", "y", "z"]);
+    let found = Browser::start().findings(&bench.path("with.html"), screen, &names);
+    assert_eq!(found, Findings::new());
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use tempco::{Table, TableError, Terms, Thermal, ThermalSettings};
 
-use crate::{ImageError, MAX_AXES, Unit};
+use crate::{ChannelHistory, ImageError, MAX_AXES, MAX_PLAYS, MAX_SLOW_PARTS, Unit};
 
 /// A bias may jump by this share of the magnitudes that are added up for it and still count as
 /// continuous: coefficients in f32 cannot all meet exactly.
@@ -25,6 +25,8 @@ pub struct Channel<'a> {
     pub units: [Option<Unit>; MAX_AXES],
     /// The axes of the coldest cell, then those of the next.
     pub cells: &'a [Terms],
+    /// Terms of the thermal history.
+    pub history: ChannelHistory,
 }
 
 impl<'a> Channel<'a> {
@@ -33,19 +35,38 @@ impl<'a> Channel<'a> {
         self.units.iter().map_while(|unit| *unit).count()
     }
 
-    /// The core's table, with the cells borrowed.
+    /// The core's table of this channel, number `channel`, with the cells borrowed; history terms
+    /// that it does not have become ones without gain.
     ///
     /// # Errors
-    /// What the core refuses; [`TableError::CellCount`] also where the cells are not of `AXES`
-    /// axes.
-    pub fn table<const AXES: usize>(&self) -> Result<Table<'a, AXES>, TableError> {
+    /// As [`Image::table`](crate::Image::table), but for jumps.
+    pub(crate) fn table<const AXES: usize, const PLAYS: usize, const SLOW: usize>(
+        &self,
+        channel: usize,
+    ) -> Result<Table<'a, AXES, PLAYS, SLOW>, ImageError> {
         let (cells, rest) = self.cells.as_chunks::<AXES>();
-        if !rest.is_empty() {
-            return Err(TableError::CellCount);
+        if self.axes() != AXES || !rest.is_empty() {
+            return Err(ImageError::Shape);
         }
+        let (plays, slow_parts) = self.history.counts();
+        if plays > PLAYS || slow_parts > SLOW {
+            return Err(ImageError::History { plays, slow_parts });
+        }
+        self.table_of(cells)
+            .map_err(|error| ImageError::Table { channel, error })
+    }
+
+    fn table_of<const AXES: usize, const PLAYS: usize, const SLOW: usize>(
+        &self,
+        cells: &'a [[Terms; AXES]],
+    ) -> Result<Table<'a, AXES, PLAYS, SLOW>, TableError> {
         let thermal = Thermal::new(self.thermal)?;
         Table::new(thermal, self.first_edge_c, self.last_edge_c, cells)?
-            .calibrated(self.t_min_c, self.t_max_c)
+            .calibrated(self.t_min_c, self.t_max_c)?
+            .with_history(
+                self.history.core_plays(),
+                self.history.core_slow_parts(self.thermal.tau_s),
+            )
     }
 
     /// The first cell, with the axis, behind which the bias jumps: at its hot edge, at the lowest,
@@ -64,18 +85,22 @@ impl<'a> Channel<'a> {
         Some((position.checked_div(axes)?, position.checked_rem(axes)?))
     }
 
-    /// As [`table`](Self::table), for any number of axes: what it would refuse.
+    /// As [`table`](Self::table), for any number of axes and history terms: what it would refuse.
     pub(crate) fn check(&self, channel: usize) -> Result<(), ImageError> {
-        let checked = match self.axes() {
-            1 => self.table::<1>().map(drop),
-            2 => self.table::<2>().map(drop),
-            3 => self.table::<3>().map(drop),
-            4 => self.table::<4>().map(drop),
-            5 => self.table::<5>().map(drop),
-            6 => self.table::<6>().map(drop),
-            _ => return Err(ImageError::Shape),
-        };
-        checked.map_err(|error| ImageError::Table { channel, error })
+        match self.axes() {
+            1 => self.check_axes::<1>(channel),
+            2 => self.check_axes::<2>(channel),
+            3 => self.check_axes::<3>(channel),
+            4 => self.check_axes::<4>(channel),
+            5 => self.check_axes::<5>(channel),
+            6 => self.check_axes::<6>(channel),
+            _ => Err(ImageError::Shape),
+        }
+    }
+
+    fn check_axes<const AXES: usize>(&self, channel: usize) -> Result<(), ImageError> {
+        self.table::<AXES, MAX_PLAYS, MAX_SLOW_PARTS>(channel)
+            .map(drop)
     }
 }
 

@@ -41,12 +41,12 @@ pub enum ImageError {
     Serial,
     /// The channel does not exist or has another number of axes than was asked for.
     Shape,
-    /// The image asks for history terms that this program does not have.
+    /// The image has more history terms than the program was compiled for.
     History {
-        /// Play terms it asks for.
-        plays: u8,
-        /// Slow parts it asks for.
-        slow_parts: u8,
+        /// Plays that it has.
+        plays: usize,
+        /// Slow parts that it has.
+        slow_parts: usize,
     },
     /// The core refuses settings, grid or cells of a channel.
     Table {
@@ -90,7 +90,7 @@ impl fmt::Display for ImageError {
             Self::Shape => f.write_str("not the expected channels and axes"),
             Self::History { plays, slow_parts } => write!(
                 f,
-                "{plays} play terms and {slow_parts} slow parts are asked for, which this program does not have"
+                "{plays} plays and {slow_parts} slow parts, more than this program was compiled for"
             ),
             Self::Table { channel, error } => write!(f, "channel {channel}: {error}"),
             Self::Jump {

@@ -9,7 +9,8 @@ use crate::layout::{
     history_len, settings_from_array,
 };
 use crate::{
-    CRC, Channel, FORMAT, ImageError, MAGIC, MAX_AXES, MAX_PLAYS, MAX_SLOW_PARTS, MODEL, Unit,
+    CRC, Channel, ChannelHistory, FORMAT, ImageError, MAGIC, MAX_AXES, MAX_PLAYS, MAX_SLOW_PARTS,
+    MODEL, Unit,
 };
 
 /// What an image says about itself.
@@ -36,8 +37,8 @@ pub struct Image<'a> {
     channel_len: usize,
     channels: usize,
     axes: usize,
-    plays: u8,
-    slow_parts: u8,
+    plays: usize,
+    slow_parts: usize,
 }
 
 impl<'a> Image<'a> {
@@ -67,8 +68,8 @@ impl<'a> Image<'a> {
             channel_len: header.channel_len.get().into(),
             channels: header.channels.into(),
             axes: header.axes.into(),
-            plays: header.plays,
-            slow_parts: header.slow_parts,
+            plays: header.plays.into(),
+            slow_parts: header.slow_parts.into(),
         };
         image.check_counts()?;
         (0..image.blocks()).try_for_each(|block| check_block(bytes, block))?;
@@ -91,8 +92,8 @@ impl<'a> Image<'a> {
                 self.axes > 0 && self.channels * self.axes <= MAX_AXES,
                 "axes",
             ),
-            (usize::from(self.plays) <= MAX_PLAYS, "plays"),
-            (usize::from(self.slow_parts) <= MAX_SLOW_PARTS, "slow_parts"),
+            (self.plays <= MAX_PLAYS, "plays"),
+            (self.slow_parts <= MAX_SLOW_PARTS, "slow_parts"),
         ] {
             if !good {
                 return Err(ImageError::Field(name));
@@ -125,8 +126,10 @@ impl<'a> Image<'a> {
         if !(1..=MAX_CELLS).contains(&count) {
             return Err(CELLS);
         }
-        let history = history_len(self.axes, self.plays.into(), self.slow_parts.into());
-        let begin = self.channel_len + history;
+        let (axes, plays, slow_parts) = (self.axes, self.plays, self.slow_parts);
+        let begin = self.channel_len + history_len(axes, plays, slow_parts);
+        let history = rest.get(self.channel_len..begin).ok_or(CELLS)?;
+        let history = <[F32<LittleEndian>]>::ref_from_bytes(history).map_err(|_| CELLS)?;
         let end = begin + count * self.axes * TERMS_LEN;
         let cells = rest.get(begin..end).ok_or(CELLS)?;
         let cells = <[Terms]>::ref_from_bytes(cells).map_err(|_| ImageError::Alignment)?;
@@ -138,6 +141,7 @@ impl<'a> Image<'a> {
             t_max_c: head.t_max_c.get(),
             units: self.units(&head.units)?,
             cells,
+            history: ChannelHistory::from_numbers(history, axes, plays, slow_parts),
         };
         Ok((channel, at + end))
     }
@@ -155,20 +159,21 @@ impl<'a> Image<'a> {
         Ok(units)
     }
 
-    /// A table, with its cells borrowed from the image.
+    /// A table, with its cells borrowed from the image, for a program that was compiled for so
+    /// many axes, plays and slow parts. History terms that the image does not have become ones
+    /// without gain.
     ///
     /// # Errors
-    /// [`ImageError::Shape`] where there is no such channel or it has not `AXES` axes; history
-    /// terms, which this version does not have; settings, grid or cells that the core refuses;
-    /// a jump where the image is marked as continuous.
-    pub fn table<const AXES: usize>(&self, channel: usize) -> Result<Table<'a, AXES>, ImageError> {
-        if self.axes != AXES {
-            return Err(ImageError::Shape);
-        }
-        let data = self.usable(channel)?;
-        let table = data
-            .table()
-            .map_err(|error| ImageError::Table { channel, error })?;
+    /// [`ImageError::Shape`] where there is no such channel or it has not `AXES` axes;
+    /// [`ImageError::History`] where it has more than `PLAYS` plays or `SLOW` slow parts;
+    /// settings, grid, cells or history terms that the core refuses; a jump where the image is
+    /// marked as continuous.
+    pub fn table<const AXES: usize, const PLAYS: usize, const SLOW: usize>(
+        &self,
+        channel: usize,
+    ) -> Result<Table<'a, AXES, PLAYS, SLOW>, ImageError> {
+        let data = self.channel(channel)?;
+        let table = data.table(channel)?;
         self.check_jumps(channel, &data)?;
         Ok(table)
     }
@@ -177,9 +182,14 @@ impl<'a> Image<'a> {
     ///
     /// # Errors
     /// As [`table`](Self::table), and another number of channels.
-    pub fn tables<const CHANNELS: usize, const AXES: usize>(
+    pub fn tables<
+        const CHANNELS: usize,
+        const AXES: usize,
+        const PLAYS: usize,
+        const SLOW: usize,
+    >(
         &self,
-    ) -> Result<[Table<'a, AXES>; CHANNELS], ImageError> {
+    ) -> Result<[Table<'a, AXES, PLAYS, SLOW>; CHANNELS], ImageError> {
         if self.channels != CHANNELS {
             return Err(ImageError::Shape);
         }
@@ -191,27 +201,16 @@ impl<'a> Image<'a> {
         Ok(tables)
     }
 
-    /// Checks the contents of all channels, whatever their shape.
+    /// Checks the contents of all channels, whatever their shape and history terms.
     ///
     /// # Errors
-    /// As [`table`](Self::table).
+    /// As [`table`](Self::table), for a program compiled for all that an image can have.
     pub fn validate(&self) -> Result<(), ImageError> {
         (0..self.channels).try_for_each(|channel| {
-            let data = self.usable(channel)?;
+            let data = self.channel(channel)?;
             data.check(channel)?;
             self.check_jumps(channel, &data)
         })
-    }
-
-    /// A channel of which nothing is needed that this program does not have.
-    fn usable(&self, channel: usize) -> Result<Channel<'a>, ImageError> {
-        if (self.plays, self.slow_parts) != (0, 0) {
-            return Err(ImageError::History {
-                plays: self.plays,
-                slow_parts: self.slow_parts,
-            });
-        }
-        self.channel(channel)
     }
 
     fn check_jumps(&self, channel: usize, data: &Channel) -> Result<(), ImageError> {
@@ -295,8 +294,8 @@ impl<'a> Image<'a> {
         self.axes
     }
 
-    /// Play terms and slow parts of each channel.
-    pub const fn history(&self) -> (u8, u8) {
+    /// Numbers of plays and slow parts of each channel.
+    pub const fn history(&self) -> (usize, usize) {
         (self.plays, self.slow_parts)
     }
 }

@@ -77,8 +77,8 @@ const _: () = {
     assert!(offset_of!(RawChannel, cells) == 60 && offset_of!(RawChannel, units) == 64);
 };
 
-/// Bytes of the history terms of a channel: plays of half-width and gains, slow parts of time constant,
-/// limit and gains.
+/// Bytes of the history terms of a channel: plays of half width and gains, then slow parts of time
+/// constant, limit and gains.
 pub(crate) const fn history_len(axes: usize, plays: usize, slow_parts: usize) -> usize {
     plays * 4 * (1 + axes) + slow_parts * 4 * (2 + axes)
 }

@@ -23,7 +23,7 @@
 //! # Example
 //!
 //! ```
-//! use tempco_image::{AlignedBytes, Channel, Image, Info, Unit, encode};
+//! use tempco_image::{AlignedBytes, Channel, ChannelHistory, Image, Info, Unit, encode};
 //! use tempco::{Terms, ThermalSettings};
 //!
 //! let cells = [Terms { a: [0.1, 0.2, 0.0], r: [0.5, 0.0] }];
@@ -35,13 +35,15 @@
 //!     t_max_c: 80.0,
 //!     units: Unit::array(&[Unit::Dph]),
 //!     cells: &cells,
+//!     history: ChannelHistory::NONE,
 //! };
 //! let info = Info { serial: "SN7", table_crc: 0, continuous: true };
 //! let mut flash = AlignedBytes([0xff; 512]);
 //! encode(&info, &[channel], &mut flash.0)?;
 //!
 //! let image = Image::read(&flash.0)?;
-//! let table = image.table::<1>(0)?;
+//! // The firmware may be compiled for more history terms than its unit has: here, one play.
+//! let table = image.table::<1, 1, 0>(0)?;
 //! assert_eq!(table.cells()[0], cells);
 //! # Ok::<(), tempco_image::ImageError>(())
 //! ```
@@ -54,6 +56,7 @@ compile_error!("images are used in place, which takes a little-endian processor"
 mod channel;
 mod check;
 mod error;
+mod history;
 mod image;
 mod layout;
 mod unit;
@@ -65,6 +68,7 @@ extern crate std;
 pub use channel::Channel;
 pub use check::{BLOCK_LEN, CRC, contents_len, total_len};
 pub use error::ImageError;
+pub use history::ChannelHistory;
 pub use image::{Image, Info};
 pub use layout::{FORMAT, MAGIC, MAX_AXES, MAX_PLAYS, MAX_SLOW_PARTS, MODEL, SERIAL_LEN};
 pub use unit::Unit;

@@ -7,15 +7,36 @@ use zerocopy::little_endian::{F32, U16, U32};
 use crate::check::{seal, total_len};
 use crate::layout::{
     CHANNEL_LEN, CONTINUOUS, HEADER_CRC_AT, HEADER_LEN, RawChannel, RawHeader, TERMS_LEN,
-    settings_to_array,
+    history_len, settings_to_array,
 };
 use crate::{CRC, Channel, FORMAT, ImageError, Info, MAGIC, MAX_AXES, MODEL, SERIAL_LEN, Unit};
 
+/// What all channels of an image have in common.
+#[derive(Clone, Copy, Default, PartialEq, Eq)]
+struct Shape {
+    axes: usize,
+    plays: usize,
+    slow_parts: usize,
+}
+
+impl Shape {
+    fn of(channel: &Channel) -> Self {
+        let (plays, slow_parts) = channel.history.counts();
+        Self {
+            axes: channel.axes(),
+            plays,
+            slow_parts,
+        }
+    }
+}
+
 /// Bytes of the image of some channels.
 pub fn encoded_len(channels: &[Channel]) -> usize {
-    let channel_lens = channels
-        .iter()
-        .map(|channel| CHANNEL_LEN + channel.cells.len() * TERMS_LEN);
+    let channel_lens = channels.iter().map(|channel| {
+        let shape = Shape::of(channel);
+        let history = history_len(shape.axes, shape.plays, shape.slow_parts);
+        CHANNEL_LEN + history + channel.cells.len() * TERMS_LEN
+    });
     total_len(HEADER_LEN + channel_lens.sum::<usize>())
 }
 
@@ -26,17 +47,21 @@ pub fn encoded_len(channels: &[Channel]) -> usize {
 /// # Errors
 /// A serial number, shape or number of cells that an image cannot hold, or too little room.
 pub fn encode(info: &Info, channels: &[Channel], out: &mut [u8]) -> Result<usize, ImageError> {
-    let axes = channels.first().map_or(0, Channel::axes);
-    check(info, channels, axes)?;
+    let shape = channels.first().map_or(Shape::default(), Shape::of);
+    let axes = shape.axes;
+    check(info, channels, shape)?;
     let len = encoded_len(channels);
     let given = out.len();
     let image = out
         .get_mut(..len)
         .ok_or(ImageError::Short { given, needed: len })?;
 
-    let mut rest = put(image, header(info, channels, axes, len).as_bytes())?;
+    let mut rest = put(image, header(info, channels.len(), shape, len).as_bytes())?;
     for channel in channels {
         rest = put(rest, head(channel, axes).as_bytes())?;
+        for number in channel.history.numbers(axes) {
+            rest = put(rest, &number.to_le_bytes())?;
+        }
         rest = put(rest, channel.cells.as_bytes())?;
     }
     seal(image);
@@ -54,7 +79,8 @@ fn put<'o>(out: &'o mut [u8], bytes: &[u8]) -> Result<&'o mut [u8], ImageError> 
     Ok(rest)
 }
 
-fn check(info: &Info, channels: &[Channel], axes: usize) -> Result<(), ImageError> {
+fn check(info: &Info, channels: &[Channel], shape: Shape) -> Result<(), ImageError> {
+    let axes = shape.axes;
     let serial = info.serial;
     if !(1..=SERIAL_LEN).contains(&serial.len()) || serial.chars().any(char::is_control) {
         return Err(ImageError::Field("serial"));
@@ -63,7 +89,7 @@ fn check(info: &Info, channels: &[Channel], axes: usize) -> Result<(), ImageErro
         return Err(ImageError::Shape);
     }
     for channel in channels {
-        if channel.axes() != axes {
+        if Shape::of(channel) != shape {
             return Err(ImageError::Shape);
         }
         let cells = channel.cells.chunks_exact(axes);
@@ -74,7 +100,7 @@ fn check(info: &Info, channels: &[Channel], axes: usize) -> Result<(), ImageErro
     Ok(())
 }
 
-fn header(info: &Info, channels: &[Channel], axes: usize, len: usize) -> RawHeader {
+fn header(info: &Info, channels: usize, shape: Shape, len: usize) -> RawHeader {
     let pair = |(major, minor)| [U16::new(major), U16::new(minor)];
     let mut serial = [0; SERIAL_LEN];
     for (place, byte) in serial.iter_mut().zip(info.serial.bytes()) {
@@ -87,10 +113,10 @@ fn header(info: &Info, channels: &[Channel], axes: usize, len: usize) -> RawHead
         header_len: U16::new(HEADER_LEN as u16),
         channel_len: U16::new(CHANNEL_LEN as u16),
         model: pair(MODEL),
-        channels: channels.len() as u8,
-        axes: axes as u8,
-        plays: 0,
-        slow_parts: 0,
+        channels: channels as u8,
+        axes: shape.axes as u8,
+        plays: shape.plays as u8,
+        slow_parts: shape.slow_parts as u8,
         flags: U32::new(if info.continuous { CONTINUOUS } else { 0 }),
         table_crc: U32::new(info.table_crc),
         serial,

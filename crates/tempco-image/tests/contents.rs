@@ -2,15 +2,18 @@
 
 mod common;
 
-use common::{Bytes, CELLS, CHANNEL_LEN, HEADER_LEN, INFO, channel, example, spoilt};
+use common::{
+    Bytes, CELLS, CHANNEL_LEN, HEADER_LEN, INFO, PLAYS, SLOW_PART, channel, example,
+    example_with_history, spoil, spoilt,
+};
 use tempco::{TableError, Terms};
-use tempco_image::{AlignedBytes, Channel, Image, ImageError, Info, Unit, encode};
+use tempco_image::{AlignedBytes, Channel, ChannelHistory, Image, ImageError, Info, Unit, encode};
 
 fn refused((bytes, len): (Bytes, usize)) -> ImageError {
     let image = Image::read(&bytes.0[..len]).expect("integrity is not at fault");
-    let error = image.table::<1>(0).unwrap_err();
+    let error = image.table::<1, 2, 1>(0).unwrap_err();
     assert_eq!(image.validate().unwrap_err(), error);
-    assert_eq!(image.tables::<1, 1>().unwrap_err(), error);
+    assert_eq!(image.tables::<1, 1, 2, 1>().unwrap_err(), error);
     error
 }
 
@@ -73,6 +76,28 @@ fn coefficients_are_checked() {
     }
 }
 
+/// Two plays of half width and gain, a slow part of time constant, limit and gain.
+#[test]
+fn history_terms_are_checked() {
+    let (width, gain) = (&[f32::NAN, -0.001, 1001.0][..], &[f32::NAN, 2e20][..]);
+    let tau = &[f32::NAN, 59.9, 60_001.0][..];
+    for (number, name, bad) in [
+        (0, "half_width_c", width),
+        (1, "gain of a play", gain),
+        (2, "half_width_c", width),
+        (3, "gain of a play", gain),
+        (4, "tau_s of a slow part", tau),
+        (5, "limit_c", width),
+        (6, "gain of a slow part", gain),
+    ] {
+        let at = HEADER_LEN + CHANNEL_LEN + 4 * number;
+        for bad in bad {
+            let image = spoil(example_with_history(), at, &bad.to_le_bytes());
+            assert_eq!(refused(image), setting(name), "{bad}");
+        }
+    }
+}
+
 /// A jump of 2^-16 of the bias, statically or at a rate; but one of rounding is none.
 #[test]
 fn jumps_are_refused_where_the_image_is_marked_as_continuous() {
@@ -86,7 +111,12 @@ fn jumps_are_refused_where_the_image_is_marked_as_continuous() {
         let far = value + 1.0 / 65_536.0;
         assert_eq!(refused(spoilt(at, &far.to_le_bytes())), jump);
         let (near, len) = spoilt(at, &value.next_up().to_le_bytes());
-        assert!(Image::read(&near.0[..len]).unwrap().table::<1>(0).is_ok());
+        assert!(
+            Image::read(&near.0[..len])
+                .unwrap()
+                .table::<1, 0, 0>(0)
+                .is_ok()
+        );
     }
     // Not marked: a table of the paper's kind, with jumps, is what its author wanted.
     let cells = [CELLS[0], CELLS[0]];
@@ -96,7 +126,7 @@ fn jumps_are_refused_where_the_image_is_marked_as_continuous() {
     };
     let mut bytes = AlignedBytes([0; 512]);
     encode(&unmarked, &[channel(&cells, &[Unit::Dph])], &mut bytes.0).unwrap();
-    assert!(Image::read(&bytes.0).unwrap().table::<1>(0).is_ok());
+    assert!(Image::read(&bytes.0).unwrap().table::<1, 0, 0>(0).is_ok());
     encode(&INFO, &[channel(&cells, &[Unit::Dph])], &mut bytes.0).unwrap();
     assert_eq!(refused((bytes, 512)), jump);
 }
@@ -159,9 +189,9 @@ fn channels_must_fill_the_image() {
 fn another_shape_or_unit_is_refused() {
     let (bytes, _) = example();
     let image = Image::read(&bytes.0).unwrap();
-    assert_eq!(image.table::<2>(0), Err(ImageError::Shape));
-    assert_eq!(image.table::<1>(1), Err(ImageError::Shape));
-    assert_eq!(image.tables::<2, 1>(), Err(ImageError::Shape));
+    assert_eq!(image.table::<2, 0, 0>(0), Err(ImageError::Shape));
+    assert_eq!(image.table::<1, 0, 0>(1), Err(ImageError::Shape));
+    assert_eq!(image.tables::<2, 1, 0, 0>(), Err(ImageError::Shape));
     assert_eq!(image.expect_serial("SN7"), Ok(()));
     for other in ["SN", "SN71", "sn7", ""] {
         assert_eq!(image.expect_serial(other), Err(ImageError::Serial));
@@ -187,6 +217,16 @@ fn what_an_image_cannot_hold_is_not_written() {
     let many = [Terms::clone(&CELLS[0]); 1025];
     let many = channel(&many, &[Unit::Dph]);
     assert_eq!(refuse(&[many], &mut out), ImageError::Field("cells"));
+    let with_play = Channel {
+        history: ChannelHistory::new(&PLAYS[..1], &[]).unwrap(),
+        ..good
+    };
+    assert_eq!(refuse(&[good, with_play], &mut out), ImageError::Shape);
+    for (plays, slow_parts, name) in [(3, 0, "plays"), (0, 2, "slow_parts")] {
+        let (plays, slow_parts) = (vec![PLAYS[0]; plays], vec![SLOW_PART; slow_parts]);
+        let error = ChannelHistory::new(&plays, &slow_parts).unwrap_err();
+        assert_eq!(error, ImageError::Field(name));
+    }
     let short = ImageError::Short {
         given: 187,
         needed: 188,

@@ -59,7 +59,7 @@ fn a_newer_minor_version_is_read() {
     let (bytes, len) = from_the_future();
     let image = Image::read(&bytes.0[..len]).unwrap();
     assert_eq!(image.format(), (1, 3));
-    let table = image.table::<1>(0).unwrap();
+    let table = image.table::<1, 0, 0>(0).unwrap();
     assert_eq!(table.cells().as_flattened(), CELLS);
     assert_eq!(table.t_max_c(), 75.0);
 
@@ -75,31 +75,5 @@ fn additions_are_not_exempt_from_the_crc() {
         let mut flipped = bytes;
         flipped.0[bit / 8] ^= 1 << (bit % 8);
         assert!(Image::read(&flipped.0[..len]).is_err(), "bit {bit}");
-    }
-}
-
-/// History terms have their place in the layout; a program without them must not leave them out.
-#[test]
-fn history_terms_that_the_program_does_not_have_are_refused() {
-    for (plays, slow_parts, history_len) in [(1, 0, 8), (2, 0, 16), (0, 1, 12), (2, 1, 28)] {
-        let (old, len) = example();
-        let head = HEADER_LEN + CHANNEL_LEN;
-        let contents = [
-            &old.0[..head],
-            &[0; 28][..history_len],
-            &old.0[head..len - 4],
-        ]
-        .concat();
-        let mut bytes = AlignedBytes([0; 512]);
-        bytes.0[..contents.len()].copy_from_slice(&contents);
-        let len = total_len(contents.len());
-        bytes.0[12] = len as u8;
-        (bytes.0[26], bytes.0[27]) = (plays, slow_parts);
-        reseal(&mut bytes.0[..len]);
-        let image = Image::read(&bytes.0).unwrap();
-        assert_eq!(image.history(), (plays, slow_parts));
-        let refused = ImageError::History { plays, slow_parts };
-        assert_eq!(image.table::<1>(0), Err(refused));
-        assert_eq!(image.validate(), Err(refused));
     }
 }

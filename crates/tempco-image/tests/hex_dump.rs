@@ -25,4 +25,12 @@ fn the_documented_dump_is_what_is_written() {
     let (bytes, len) = common::example();
     let dump = hex_dump(&bytes.0[..len]);
     assert!(document.contains(&dump), "the example should be\n{dump}");
+
+    let (bytes, len) = common::example_with_history();
+    let dump = hex_dump(&bytes.0[..len]);
+    let history = dump.lines().nth(9).unwrap().to_owned() + "\n" + dump.lines().nth(10).unwrap();
+    assert!(
+        document.contains(&history),
+        "the terms should be\n{history}"
+    );
 }

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{Random, example};
+use common::{Random, example, examples};
 use tempco::Terms;
 use tempco_image::{AlignedBytes, CRC, Image, ImageError, Unit, encode, encoded_len};
 
@@ -12,37 +12,38 @@ fn is_accepted(bytes: &[u8]) -> bool {
 
 #[test]
 fn the_undamaged_image_is_accepted() {
-    let (bytes, len) = example();
-    assert_eq!(len, 188);
-    assert!(is_accepted(&bytes.0[..len]));
+    let [(bytes, len), (with_history, more)] = examples();
+    assert_eq!((len, more), (188, 188 + 28));
+    assert!(is_accepted(&bytes.0[..len]) && is_accepted(&with_history.0[..more]));
 }
 
 /// All 1- and 2-bit flips by reading; all 3-bit flips by reading a third of a flip pair at random.
 #[test]
 fn flipped_bits_are_found() {
-    let (mut bytes, len) = example();
-    let image = &mut bytes.0[..len];
-    let flip = |image: &mut [u8], bit: usize| image[bit / 8] ^= 1 << (bit % 8);
-    let mut random = Random(1);
-    for first in 0..8 * len {
-        flip(image, first);
-        assert!(!is_accepted(image), "bit {first}");
-        for second in 0..first {
-            flip(image, second);
-            assert!(!is_accepted(image), "bits {first} {second}");
-            if second % 16 == 0 {
-                let third = random.below(8 * len);
-                if third != first && third != second {
-                    flip(image, third);
-                    assert!(!is_accepted(image), "bits {first} {second} {third}");
-                    flip(image, third);
+    for (mut bytes, len) in examples() {
+        let image = &mut bytes.0[..len];
+        let flip = |image: &mut [u8], bit: usize| image[bit / 8] ^= 1 << (bit % 8);
+        let mut random = Random(1);
+        for first in 0..8 * len {
+            flip(image, first);
+            assert!(!is_accepted(image), "bit {first}");
+            for second in 0..first {
+                flip(image, second);
+                assert!(!is_accepted(image), "bits {first} {second}");
+                if second % 16 == 0 {
+                    let third = random.below(8 * len);
+                    if third != first && third != second {
+                        flip(image, third);
+                        assert!(!is_accepted(image), "bits {first} {second} {third}");
+                        flip(image, third);
+                    }
                 }
+                flip(image, second);
             }
-            flip(image, second);
+            flip(image, first);
         }
-        flip(image, first);
+        assert!(is_accepted(image));
     }
-    assert!(is_accepted(image));
 }
 
 /// All 3-bit flips of the header, whose CRC is at a fixed place, and of the example as one code
@@ -50,26 +51,27 @@ fn flipped_bits_are_found() {
 /// missed only if the effect of one is the sum of those of the others.
 #[test]
 fn all_triples_of_flipped_bits_are_found() {
-    let (bytes, len) = example();
-    for word in [&bytes.0[..72], &bytes.0[..len]] {
-        let effects: Vec<u32> = (0..8 * word.len())
-            .map(|bit| {
-                let covered = word.len() - 4;
-                let mut flipped = word.to_vec();
-                flipped[bit / 8] ^= 1 << (bit % 8);
-                let of = |word: &[u8]| {
-                    let stored = u32::from_le_bytes(word[covered..].try_into().unwrap());
-                    CRC.checksum(&word[..covered]) ^ stored
-                };
-                of(&flipped) ^ of(word)
-            })
-            .collect();
-        let set: std::collections::HashSet<u32> = effects.iter().copied().collect();
-        assert_eq!(set.len(), effects.len(), "two flips cancel");
-        assert!(!set.contains(&0));
-        for (i, first) in effects.iter().enumerate() {
-            for second in &effects[..i] {
-                assert!(!set.contains(&(first ^ second)));
+    for (bytes, len) in examples() {
+        for word in [&bytes.0[..72], &bytes.0[..len]] {
+            let effects: Vec<u32> = (0..8 * word.len())
+                .map(|bit| {
+                    let covered = word.len() - 4;
+                    let mut flipped = word.to_vec();
+                    flipped[bit / 8] ^= 1 << (bit % 8);
+                    let of = |word: &[u8]| {
+                        let stored = u32::from_le_bytes(word[covered..].try_into().unwrap());
+                        CRC.checksum(&word[..covered]) ^ stored
+                    };
+                    of(&flipped) ^ of(word)
+                })
+                .collect();
+            let set: std::collections::HashSet<u32> = effects.iter().copied().collect();
+            assert_eq!(set.len(), effects.len(), "two flips cancel");
+            assert!(!set.contains(&0));
+            for (i, first) in effects.iter().enumerate() {
+                for second in &effects[..i] {
+                    assert!(!set.contains(&(first ^ second)));
+                }
             }
         }
     }
@@ -79,8 +81,7 @@ fn all_triples_of_flipped_bits_are_found() {
 /// right.
 #[test]
 fn damage_of_the_header_is_found_by_its_own_crc() {
-    for bit in 8 * 12..8 * 72 {
-        let (mut bytes, len) = example();
+    for (bit, (mut bytes, len)) in (8 * 12..8 * 72).flat_map(|bit| examples().map(|e| (bit, e))) {
         bytes.0[bit / 8] ^= 1 << (bit % 8);
         let crc = CRC.checksum(&bytes.0[..len - 4]);
         bytes.0[len - 4..len].copy_from_slice(&crc.to_le_bytes());
@@ -94,67 +95,69 @@ fn damage_of_the_header_is_found_by_its_own_crc() {
 
 #[test]
 fn truncated_images_and_blank_flash_are_refused() {
-    let (bytes, len) = example();
-    for shorter in 0..len {
-        assert!(!is_accepted(&bytes.0[..shorter]), "{shorter} bytes");
-    }
-    // The rest of the sector, whatever it holds, is not part of the image.
-    assert!(is_accepted(&bytes.0));
-    for fill in [0x00, 0xff] {
-        let blank = AlignedBytes([fill; 4096]);
-        for len in [0, 4, 71, 72, 188, 4096] {
-            let error = Image::read(&blank.0[..len]).unwrap_err();
-            let expected = if len < 72 {
-                ImageError::Short {
-                    given: len,
-                    needed: 72,
-                }
-            } else {
-                ImageError::Magic
-            };
-            assert_eq!(error, expected);
+    for (bytes, len) in examples() {
+        for shorter in 0..len {
+            assert!(!is_accepted(&bytes.0[..shorter]), "{shorter} bytes");
         }
-        // A write that broke off, or an erase that began.
-        for from in 0..len {
-            let mut torn = bytes;
-            torn.0[from..].fill(fill);
-            let same = torn.0[..len] == bytes.0[..len];
-            assert_eq!(is_accepted(&torn.0), same, "{fill:x} from {from}");
+        // The rest of the sector, whatever it holds, is not part of the image.
+        assert!(is_accepted(&bytes.0));
+        for fill in [0x00, 0xff] {
+            let blank = AlignedBytes([fill; 4096]);
+            for len in [0, 4, 71, 72, 188, 4096] {
+                let error = Image::read(&blank.0[..len]).unwrap_err();
+                let expected = if len < 72 {
+                    ImageError::Short {
+                        given: len,
+                        needed: 72,
+                    }
+                } else {
+                    ImageError::Magic
+                };
+                assert_eq!(error, expected);
+            }
+            // A write that broke off, or an erase that began.
+            for from in 0..len {
+                let mut torn = bytes;
+                torn.0[from..].fill(fill);
+                let same = torn.0[..len] == bytes.0[..len];
+                assert_eq!(is_accepted(&torn.0), same, "{fill:x} from {from}");
+            }
         }
     }
 }
 
-/// Overwrites a random stretch, or flips 4 to 67 random bits, `count` times.
+/// Overwrites a random stretch, or flips 4 to 67 random bits, `count` times each.
 fn corrupt_at_random(count: u32) {
-    let (bytes, len) = example();
-    let mut random = Random(2);
-    for _ in 0..count {
-        let mut image = bytes;
-        if random.next() & 1 == 0 {
-            let from = random.below(len);
-            let end = len.min(from + 1 + random.below(len));
-            image.0[from..end].fill_with(|| random.next() as u8);
-        } else {
-            for _ in 0..4 + random.below(64) {
-                let bit = random.below(8 * len);
-                image.0[bit / 8] ^= 1 << (bit % 8);
+    for (bytes, len) in examples() {
+        let mut random = Random(2);
+        for _ in 0..count {
+            let mut image = bytes;
+            if random.next() & 1 == 0 {
+                let from = random.below(len);
+                let end = len.min(from + 1 + random.below(len));
+                image.0[from..end].fill_with(|| random.next() as u8);
+            } else {
+                for _ in 0..4 + random.below(64) {
+                    let bit = random.below(8 * len);
+                    image.0[bit / 8] ^= 1 << (bit % 8);
+                }
             }
-        }
-        if image.0[..len] != bytes.0[..len] {
-            assert!(!is_accepted(&image.0[..len]));
+            if image.0[..len] != bytes.0[..len] {
+                assert!(!is_accepted(&image.0[..len]));
+            }
         }
     }
 }
 
 #[test]
 fn random_corruption_is_found() {
-    corrupt_at_random(100_000);
+    corrupt_at_random(50_000);
 }
 
 #[test]
 #[ignore = "ten million; 10 s in release"]
 fn random_corruption_is_found_ten_million_times() {
-    corrupt_at_random(10_000_000);
+    corrupt_at_random(5_000_000);
 }
 
 /// Both channels of three axes, more than one block: flips in every block and in every CRC.
@@ -172,7 +175,7 @@ fn every_block_of_a_long_image_is_covered() {
     assert_eq!(len, 72 + 2 * (72 + 3 * 128 * 20) + 4 * 4);
     let image = Image::read(&bytes.0).unwrap();
     assert_eq!((image.blocks(), image.channel(1)), (4, Ok(channel)));
-    let [_, second] = image.tables::<2, 3>().unwrap();
+    let [_, second] = image.tables::<2, 3, 0, 0>().unwrap();
     assert_eq!(second.cells().as_flattened(), cells);
 
     let mut random = Random(3);
@@ -201,7 +204,7 @@ fn one_block_is_checked_at_a_time() {
 #[test]
 fn cells_are_used_in_place_and_only_if_aligned() {
     let (bytes, len) = example();
-    let table = Image::read(&bytes.0).unwrap().table::<1>(0).unwrap();
+    let table = Image::read(&bytes.0).unwrap().table::<1, 0, 0>(0).unwrap();
     let cells = table.cells().as_ptr() as usize;
     assert_eq!(cells, bytes.0.as_ptr() as usize + 72 + 72);
 

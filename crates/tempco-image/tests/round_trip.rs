@@ -4,8 +4,8 @@ mod common;
 
 use proptest::collection::vec;
 use proptest::prelude::*;
-use tempco::{Terms, ThermalSettings};
-use tempco_image::{AlignedBytes, Channel, Image, Info, Unit, encode};
+use tempco::{Play, SlowPart, Terms, ThermalSettings};
+use tempco_image::{AlignedBytes, Channel, ChannelHistory, Image, Info, Unit, encode};
 
 fn terms() -> impl Strategy<Value = Terms> {
     let number = || any::<u32>().prop_map(f32::from_bits);
@@ -19,6 +19,34 @@ fn bits(cells: &[Terms]) -> Vec<u32> {
     numbers.map(f32::to_bits).collect()
 }
 
+/// Terms of so many axes, of the same random numbers in every channel.
+fn history(axes: usize, plays: usize, slow_parts: usize, numbers: &[u32; 8]) -> ChannelHistory {
+    let [width, tau, gain @ ..] = numbers.map(f32::from_bits);
+    let gain = std::array::from_fn(|axis| if axis < axes { gain[axis] } else { 0.0 });
+    let play = Play {
+        half_width_c: width,
+        gain,
+    };
+    let part = SlowPart {
+        tau_s: tau,
+        limit_c: width,
+        gain,
+    };
+    ChannelHistory::new::<6>(&[play; 2][..plays], &[part][..slow_parts]).unwrap()
+}
+
+fn history_bits(history: &ChannelHistory) -> Vec<u32> {
+    let plays = history.plays().flat_map(|play| {
+        let width = std::iter::once(play.half_width_c);
+        width.chain(play.gain)
+    });
+    let slow_parts = history.slow_parts().flat_map(|part| {
+        let settings = [part.tau_s, part.limit_c];
+        settings.into_iter().chain(part.gain)
+    });
+    plays.chain(slow_parts).map(f32::to_bits).collect()
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
 
@@ -29,6 +57,7 @@ proptest! {
         count in 1_usize..=20,
         code in 1_u8..=6,
         edges in any::<[u32; 4]>(),
+        terms in (0_usize..=2, 0_usize..=1, any::<[u32; 8]>()),
         table_crc in any::<u32>(),
         continuous in any::<bool>(),
         serial in "[ -~]{1,32}",
@@ -44,6 +73,7 @@ proptest! {
             t_max_c,
             units: Unit::array(&[unit; 6][..axes]),
             cells: &cells[number..][..axes * count],
+            history: history(axes, terms.0, terms.1, &terms.2),
         }).collect();
         let info = Info { serial: &serial, table_crc, continuous };
         let mut bytes = Box::new(AlignedBytes([0xee; 20_000]));
@@ -59,6 +89,8 @@ proptest! {
             let temps = |c: &Channel| [c.first_edge_c, c.last_edge_c, c.t_min_c, c.t_max_c].map(f32::to_bits);
             prop_assert_eq!(temps(&read), temps(channel));
             prop_assert_eq!(bits(read.cells), bits(channel.cells));
+            prop_assert_eq!(read.history.counts(), (terms.0, terms.1));
+            prop_assert_eq!(history_bits(&read.history), history_bits(&channel.history));
         }
         // Whatever the numbers are, validation ends without a panic.
         let _ = image.validate();
@@ -66,8 +98,12 @@ proptest! {
 
     /// Garbage behind a valid start is refused or read, but never panics.
     #[test]
-    fn any_bytes_are_survived(bytes in vec(any::<u8>(), 0..400), sealed in any::<bool>()) {
-        let (mut image, len) = common::example();
+    fn any_bytes_are_survived(
+        bytes in vec(any::<u8>(), 0..400),
+        sealed in any::<bool>(),
+        of in 0_usize..2,
+    ) {
+        let (mut image, len) = common::examples()[of];
         let end = (24 + bytes.len()).min(len);
         image.0[24..end].copy_from_slice(&bytes[..end - 24]);
         if sealed {

@@ -148,9 +148,11 @@ impl Store {
     /// Finds the table in use: loads the slot chosen last into `buffer`, checks lengths and CRCs
     /// and asks `accept`; if it is not good, the other slot. Ends an update that is under way.
     ///
-    /// `buffer` must be aligned to 4 bytes. `accept` validates, for instance
-    /// `|image| { image.expect_serial(serial)?; image.tables::<1, 3>().map(drop) }`. Afterwards,
-    /// with an active table, `Image::read(&buffer[..active.len])` gives the same image again.
+    /// `buffer` must be aligned to 4 bytes. `accept` validates, for instance, for one channel of
+    /// three axes, two plays and a slow part:
+    /// `|image| { image.expect_serial(serial)?; image.tables::<1, 3, 2, 1>().map(drop) }`.
+    /// Afterwards, with an active table, `Image::read(&buffer[..active.len])` gives the same image
+    /// again.
     ///
     /// # Timing
     /// Reads the entries of both slots and each image once at most.

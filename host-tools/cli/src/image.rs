@@ -101,7 +101,31 @@ fn show_channel(number: usize, channel: &Channel) -> Result<()> {
         s.hold_s,
         s.heal_s,
         s.reference_c,
-    ))
+    ))?;
+    for play in channel.history.plays() {
+        print(format_args!(
+            "  play: half width {} degC, gain per degC {}",
+            play.half_width_c,
+            gains(&play.gain, &units)
+        ))?;
+    }
+    for part in channel.history.slow_parts() {
+        print(format_args!(
+            "  slow part: tau {} s, lag up to {} degC, gain per degC {}",
+            part.tau_s,
+            part.limit_c,
+            gains(&part.gain, &units)
+        ))?;
+    }
+    Ok(())
+}
+
+fn gains(gain: &[f32], units: &[&str]) -> String {
+    let of_axes = gain.iter().zip(units);
+    let texts: Vec<String> = of_axes
+        .map(|(gain, unit)| format!("{gain} {unit}"))
+        .collect();
+    texts.join(", ")
 }
 
 const fn symbol(unit: Unit) -> &'static str {

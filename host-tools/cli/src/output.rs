@@ -6,7 +6,7 @@ use std::path::Path;
 use anyhow::{Context, Result};
 use comfy_table::{CellAlignment, Table, presets};
 use tempco_fit::set::write_files;
-pub(crate) use tempco_report::{figure, percent};
+pub(crate) use tempco_report::{figure, percent, states};
 
 /// A table with the first column to the left and all others, being figures, to the right.
 pub(crate) fn table(header: &[&str], rows: impl IntoIterator<Item = Vec<String>>) -> Table {

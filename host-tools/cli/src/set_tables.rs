@@ -5,7 +5,7 @@ use comfy_table::Table;
 use tempco_fit::Candidate;
 use tempco_fit::set::{ChannelSet, SegmentSet};
 
-use crate::output::{figure, print, table};
+use crate::output::{figure, print, states, table};
 
 /// What each segment was fitted from.
 pub(crate) fn show_coverage(segments: &[SegmentSet]) -> Result<()> {
@@ -160,19 +160,4 @@ fn candidate((mark, of): (&str, &Candidate)) -> Vec<String> {
         format!("{:.2} %", 100.0 * of.excess),
         format!("{:.2} %", 100.0 * of.excess_sigma),
     ]
-}
-
-/// Half widths and time constant of the states, such as `3 degC + 4500 s`.
-fn states(of: &Candidate) -> String {
-    let plays = of
-        .half_widths_c
-        .iter()
-        .map(|&width| format!("{} degC", figure(width)));
-    let slow = of.slow_tau_s.map(|tau_s| format!("{tau_s:.0} s"));
-    let all: Vec<String> = plays.chain(slow).collect();
-    if all.is_empty() {
-        "-".to_owned()
-    } else {
-        all.join(" + ")
-    }
 }

@@ -18,7 +18,7 @@ mod text;
 mod verdict;
 
 pub use gather::{Gatherer, LogTimes};
-pub use text::{figure, percent};
+pub use text::{figure, percent, states};
 pub use verdict::{Judgement, Verdict};
 
 use tempco_fit::metrics::Evaluation;

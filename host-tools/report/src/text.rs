@@ -1,5 +1,7 @@
 //! How figures are written.
 
+use tempco_fit::Candidate;
+
 /// A figure in four significant digits.
 pub fn figure(value: f64) -> String {
     let magnitude = value.abs();
@@ -26,6 +28,21 @@ pub fn percent(share: f64) -> String {
         format!("{:+.1} %", 100.0 * share)
     } else {
         "-".to_owned()
+    }
+}
+
+/// Half widths and time constant of the states, such as `3 degC + 4500 s`.
+pub fn states(of: &Candidate) -> String {
+    let plays = of
+        .half_widths_c
+        .iter()
+        .map(|&width| format!("{} degC", figure(width)));
+    let slow = of.slow_tau_s.map(|tau_s| format!("{tau_s:.0} s"));
+    let all: Vec<String> = plays.chain(slow).collect();
+    if all.is_empty() {
+        "-".to_owned()
+    } else {
+        all.join(" + ")
     }
 }
 

@@ -1,8 +1,10 @@
 //! Images for the tests, and ways to spoil them so that the CRCs still hold.
 #![allow(dead_code, reason = "each test program uses its share")]
 
-use tempco::{Terms, ThermalSettings};
-use tempco_image::{AlignedBytes, BLOCK_LEN, CRC, Channel, Info, Unit, contents_len, encode};
+use tempco::{Play, SlowPart, Terms, ThermalSettings};
+use tempco_image::{
+    AlignedBytes, BLOCK_LEN, CRC, Channel, ChannelHistory, Info, Unit, contents_len, encode,
+};
 
 pub(crate) type Bytes = AlignedBytes<512>;
 
@@ -21,6 +23,23 @@ pub(crate) const CELLS: [Terms; 2] = [
     },
 ];
 
+pub(crate) const PLAYS: [Play<1>; 2] = [
+    Play {
+        half_width_c: 2.0,
+        gain: [0.5],
+    },
+    Play {
+        half_width_c: 8.0,
+        gain: [-0.25],
+    },
+];
+
+pub(crate) const SLOW_PART: SlowPart<1> = SlowPart {
+    tau_s: 600.0,
+    limit_c: 4.0,
+    gain: [0.125],
+};
+
 pub(crate) const INFO: Info = Info {
     serial: "SN7",
     table_crc: 0x1234_abcd,
@@ -36,13 +55,33 @@ pub(crate) fn channel<'a>(cells: &'a [Terms], units: &[Unit]) -> Channel<'a> {
         t_max_c: 75.0,
         units: Unit::array(units),
         cells,
+        history: ChannelHistory::NONE,
     }
 }
 
 /// The image of the worked example and its length.
 pub(crate) fn example() -> (Bytes, usize) {
+    example_with(&[], &[])
+}
+
+/// The example with as many history terms as an image can have.
+pub(crate) fn example_with_history() -> (Bytes, usize) {
+    example_with(&PLAYS, &[SLOW_PART])
+}
+
+/// Images without and with history terms.
+pub(crate) fn examples() -> [(Bytes, usize); 2] {
+    [example(), example_with_history()]
+}
+
+/// The example with some history terms.
+pub(crate) fn example_with(plays: &[Play<1>], slow_parts: &[SlowPart<1>]) -> (Bytes, usize) {
+    let channel = Channel {
+        history: ChannelHistory::new(plays, slow_parts).unwrap(),
+        ..channel(&CELLS, &[Unit::Dph])
+    };
     let mut bytes = AlignedBytes([0; 512]);
-    let len = encode(&INFO, &[channel(&CELLS, &[Unit::Dph])], &mut bytes.0).unwrap();
+    let len = encode(&INFO, &[channel], &mut bytes.0).unwrap();
     (bytes, len)
 }
 
@@ -58,7 +97,11 @@ pub(crate) fn reseal(image: &mut [u8]) {
 
 /// The example with bytes replaced and valid CRCs.
 pub(crate) fn spoilt(at: usize, with: &[u8]) -> (Bytes, usize) {
-    let (mut bytes, len) = example();
+    spoil(example(), at, with)
+}
+
+/// An image with bytes replaced and valid CRCs.
+pub(crate) fn spoil((mut bytes, len): (Bytes, usize), at: usize, with: &[u8]) -> (Bytes, usize) {
     bytes.0[at..at + with.len()].copy_from_slice(with);
     reseal(&mut bytes.0[..len]);
     (bytes, len)

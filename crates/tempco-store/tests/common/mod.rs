@@ -6,7 +6,9 @@ pub(crate) mod flash;
 use embedded_storage::nor_flash::NorFlash;
 use flash::Flash;
 use tempco::{Terms, ThermalSettings};
-use tempco_image::{AlignedBytes, CRC, Channel, Image, ImageError, Info, Unit, encode};
+use tempco_image::{
+    AlignedBytes, CRC, Channel, ChannelHistory, Image, ImageError, Info, Unit, encode,
+};
 use tempco_store::{Boot, Region, Store, StoreError};
 
 pub(crate) const SERIAL: &str = "SN7";
@@ -28,6 +30,7 @@ pub(crate) fn image_of(serial: &str, cells: usize, version: u32) -> Vec<u8> {
         t_max_c: 75.0,
         units: Unit::array(&[Unit::Dph]),
         cells: &cells,
+        history: ChannelHistory::NONE,
     };
     let info = Info {
         serial,
@@ -46,7 +49,7 @@ pub(crate) fn image(cells: usize, version: u32) -> Vec<u8> {
 
 pub(crate) fn accept(image: &Image) -> Result<(), ImageError> {
     image.expect_serial(SERIAL)?;
-    image.tables::<1, 1>().map(drop)
+    image.tables::<1, 1, 0, 0>().map(drop)
 }
 
 pub(crate) type Buffer = AlignedBytes<4096>;

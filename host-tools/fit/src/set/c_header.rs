@@ -2,6 +2,9 @@
 
 use std::fmt::Write as _;
 
+use tempco_image::MAX_AXES;
+
+use super::image::gains;
 use super::table::named;
 use super::{ChannelSet, CoefficientSet};
 
@@ -20,6 +23,21 @@ typedef struct {
 typedef struct {
     SETTINGS} tempco_thermal_t;
 
+/* A hysteresis term: a contact c follows the effective temperature u at a distance of
+   half_width_c at most; bias += gain (u - c). */
+typedef struct {
+    float half_width_c;
+    float gain[GAINS]; /* of each axis, then 0; unit of the axis per degC */
+} tempco_play_t;
+
+/* A second lag: a slow part s follows u with time constant tau_s;
+   bias += gain (u - s), with u - s from -limit_c to limit_c. */
+typedef struct {
+    float tau_s;
+    float limit_c;
+    float gain[GAINS]; /* of each axis, then 0; unit of the axis per degC */
+} tempco_slow_part_t;
+
 /* One temperature channel. */
 typedef struct {
     tempco_thermal_t thermal;
@@ -29,6 +47,10 @@ typedef struct {
     float t_max_c;
     uint32_t cell_count;
     const tempco_terms_t *cells; /* all axes of the coldest cell, then those of the next */
+    uint32_t play_count;
+    const tempco_play_t *plays; /* null where there are none */
+    uint32_t slow_part_count;
+    const tempco_slow_part_t *slow_parts; /* null where there are none */
 } tempco_channel_t;
 
 #endif
@@ -55,7 +77,10 @@ fn write_table_h(out: &mut String, set: &CoefficientSet) -> std::fmt::Result {
         "#ifndef {guard}\n#define {guard}\n\n#include <stdint.h>\n"
     )?;
     let fields = named(&channels[0].table.thermal).map(|(name, _)| format!("float {name};\n"));
-    writeln!(out, "{}", TYPES.replace("SETTINGS", &(fields.join("    "))))?;
+    let types = TYPES
+        .replace("SETTINGS", &fields.join("    "))
+        .replace("GAINS", &MAX_AXES.to_string());
+    writeln!(out, "{types}")?;
     writeln!(out, "#define TEMPCO_SERIAL {}", literal(&set.serial))?;
     writeln!(out, "#define TEMPCO_CRC 0x{:08x}u", set.crc32())?;
     writeln!(out, "#define TEMPCO_CHANNELS {}", channels.len())?;
@@ -69,6 +94,7 @@ fn write_table_h(out: &mut String, set: &CoefficientSet) -> std::fmt::Result {
         }
         writeln!(out)?;
         write_cells(out, number, channel)?;
+        write_history(out, number, channel)?;
     }
     writeln!(
         out,
@@ -96,6 +122,52 @@ fn write_cells(out: &mut String, number: usize, channel: &ChannelSet) -> std::fm
     writeln!(out, "}};\n")
 }
 
+/// The history terms; nothing where there are none, as C99 has no arrays without elements.
+fn write_history(out: &mut String, number: usize, channel: &ChannelSet) -> std::fmt::Result {
+    let table = &channel.table;
+    let plays = table
+        .plays
+        .iter()
+        .map(|play| (vec![play.half_width_c], gains(&play.gain)));
+    let slow_parts = table
+        .slow_parts
+        .iter()
+        .map(|part| (vec![part.tau_s, part.limit_c], gains(&part.gain)));
+    for (name, terms) in [
+        ("play", plays.collect::<Vec<_>>()),
+        ("slow_part", slow_parts.collect()),
+    ] {
+        if terms.is_empty() {
+            continue;
+        }
+        let count = terms.len();
+        writeln!(
+            out,
+            "static const tempco_{name}_t tempco_{name}s_{number}[{count}] = {{"
+        )?;
+        for (settings, gains) in terms {
+            let [settings, gains] = [&settings[..], &gains].map(floats);
+            writeln!(out, "    {{{settings}, {{{gains}}}}},")?;
+        }
+        writeln!(out, "}};\n")?;
+    }
+    Ok(())
+}
+
+/// Float literals.
+fn floats(values: &[f32]) -> String {
+    let literals: Vec<String> = values.iter().map(|value| format!("{value:?}f")).collect();
+    literals.join(", ")
+}
+
+/// The number of history terms and where they are.
+fn pointer(name: &str, number: usize, count: usize) -> String {
+    match count {
+        0 => "0, 0".to_owned(),
+        _ => format!("{count}, tempco_{name}_{number}"),
+    }
+}
+
 fn write_channel(out: &mut String, number: usize, channel: &ChannelSet) -> std::fmt::Result {
     let table = &channel.table;
     writeln!(out, "    {{\n        {{")?;
@@ -109,12 +181,13 @@ fn write_channel(out: &mut String, number: usize, channel: &ChannelSet) -> std::
         table.t_min_c,
         table.t_max_c,
     ];
-    let temps = temps.map(|temp_c| format!("{temp_c:?}f"));
     writeln!(
         out,
-        "        {},\n        {},\n        tempco_cells_{number},\n    }},",
-        temps.join(", "),
-        table.cells.len()
+        "        {},\n        {}, tempco_cells_{number},\n        {},\n        {},\n    }},",
+        floats(&temps),
+        table.cells.len(),
+        pointer("plays", number, table.plays.len()),
+        pointer("slow_parts", number, table.slow_parts.len()),
     )
 }
 

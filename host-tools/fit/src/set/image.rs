@@ -1,13 +1,16 @@
 //! The set as a flash image, `table.bin`; its layout is in `docs/flash-image.md`.
 
-use tempco::Terms;
-use tempco_image::{AlignedBytes, Channel, Image, Info, Unit, encode, encoded_len};
+use tempco::{Play, SlowPart, Terms};
+use tempco_image::{
+    AlignedBytes, Channel, ChannelHistory, Image, ImageError, Info, MAX_AXES, Unit, encode,
+    encoded_len,
+};
 
-use super::CoefficientSet;
+use super::{CoefficientSet, TableData};
 use crate::unit::AxisUnit;
 
 /// Most bytes of an image: six axes of the most cells, each its own channel, with room for heads.
-const MOST_BYTES: usize = 6 * (72 + 20 * tempco::MAX_CELLS) + 256;
+const MOST_BYTES: usize = 6 * (100 + 20 * tempco::MAX_CELLS) + 256;
 
 const fn code(unit: AxisUnit) -> Unit {
     match unit {
@@ -18,6 +21,32 @@ const fn code(unit: AxisUnit) -> Unit {
         AxisUnit::Mps2 => Unit::Mps2,
         AxisUnit::G => Unit::G,
     }
+}
+
+fn history(table: &TableData) -> Result<ChannelHistory, ImageError> {
+    let plays: Vec<Play<MAX_AXES>> = table
+        .plays
+        .iter()
+        .map(|play| Play {
+            half_width_c: play.half_width_c,
+            gain: gains(&play.gain),
+        })
+        .collect();
+    let slow_parts: Vec<SlowPart<MAX_AXES>> = table
+        .slow_parts
+        .iter()
+        .map(|part| SlowPart {
+            tau_s: part.tau_s,
+            limit_c: part.limit_c,
+            gain: gains(&part.gain),
+        })
+        .collect();
+    ChannelHistory::new(&plays, &slow_parts)
+}
+
+/// Gains of as many axes as there can be: those there are, then 0.
+pub(super) fn gains(of_axes: &[f32]) -> [f32; MAX_AXES] {
+    std::array::from_fn(|axis| of_axes.get(axis).copied().unwrap_or(0.0))
 }
 
 /// The tables of a set as an image that its reader accepts; marked as continuous where no table
@@ -37,13 +66,21 @@ pub fn table_bin(set: &CoefficientSet) -> Result<Vec<u8>, String> {
                 .collect()
         })
         .collect();
+    let explain = |error: ImageError| match error {
+        ImageError::Field("serial") => format!(
+            "serial number {:?}: expected 1 to {} bytes without control characters",
+            set.serial,
+            tempco_image::SERIAL_LEN
+        ),
+        other => format!("table.bin: {other}"),
+    };
     let channels: Vec<Channel> = set
         .channels
         .iter()
         .zip(&cells)
         .map(|(channel, cells)| {
             let units: Vec<Unit> = channel.axes.iter().map(|axis| code(axis.unit)).collect();
-            Channel {
+            Ok(Channel {
                 thermal: channel.table.thermal,
                 first_edge_c: channel.table.first_edge_c,
                 last_edge_c: channel.table.last_edge_c,
@@ -51,21 +88,15 @@ pub fn table_bin(set: &CoefficientSet) -> Result<Vec<u8>, String> {
                 t_max_c: channel.table.t_max_c,
                 units: Unit::array(&units),
                 cells,
-            }
+                history: history(&channel.table)?,
+            })
         })
-        .collect();
+        .collect::<Result<_, _>>()
+        .map_err(explain)?;
     let info = Info {
         serial: &set.serial,
         table_crc: set.crc32(),
         continuous: channels.iter().all(|channel| channel.jump().is_none()),
-    };
-    let explain = |error: tempco_image::ImageError| match error {
-        tempco_image::ImageError::Field("serial") => format!(
-            "serial number {:?}: expected 1 to {} bytes without control characters",
-            set.serial,
-            tempco_image::SERIAL_LEN
-        ),
-        other => format!("table.bin: {other}"),
     };
     let mut image = Box::new(AlignedBytes([0; MOST_BYTES]));
     debug_assert!(encoded_len(&channels) <= MOST_BYTES);

@@ -53,6 +53,10 @@ pub(crate) fn page(subject: &Subject, gathered: &Gathered, figures: &Figures) ->
 fn sections(subject: &Subject, gathered: &Gathered, figures: &Figures) -> Markup {
     let set = subject.set;
     let tau = seconds(gathered.tau_s);
+    let has_history = set
+        .channels
+        .iter()
+        .any(|channel| !channel.table.plays.is_empty() || !channel.table.slow_parts.is_empty());
     let of_axes = |figure: fn(&AxisFigures) -> &Figure| {
         html! { div.figures { @for axis in &figures.axes { figure { (figure(axis).inline()) } } } }
     };
@@ -62,7 +66,8 @@ fn sections(subject: &Subject, gathered: &Gathered, figures: &Figures) -> Markup
             p { "Marks: means over " (tau) ", by temperature, less the constant by which a log "
                 "lies beside the fit. Thin lines: what the set took out while heating and cooling. "
                 "Thick line: the same at a steady temperature, with the 1-sigma band of its "
-                "coefficients." }
+                "coefficients"
+                @if has_history { "; the terms of the thermal history are left out of it" } "." }
             (of_axes(|axis| &axis.bias))
             (tables::uncertainty(set))
         }

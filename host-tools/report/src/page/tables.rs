@@ -7,7 +7,7 @@ use tempco_fit::{Candidate, HeldOutErrors};
 
 use super::{axis_cell, cell, table};
 use crate::band::sigma_at;
-use crate::text::figure;
+use crate::text::{figure, states};
 
 /// Runner-ups that are shown; the set holds all.
 const SHOWN: usize = 6;
@@ -225,6 +225,7 @@ fn candidates(chosen: &Candidate, others: &[Candidate]) -> Markup {
             cell(of.rate_columns),
             cell(format!("{:.0} s", of.tau_s)),
             cell(format!("{:.2}", of.kappa)),
+            cell(states(of)),
             cell(format!("{:.2} %", 100.0 * of.excess)),
             cell(format!("{:.2} %", 100.0 * of.excess_sigma)),
         ]
@@ -240,6 +241,7 @@ fn candidates(chosen: &Candidate, others: &[Candidate]) -> Markup {
         "of rate",
         "tau",
         "kappa",
+        "states",
         "above best",
         "s.e.",
     ];
@@ -258,11 +260,11 @@ pub(super) fn coefficients(set: &CoefficientSet) -> Markup {
                 axis_cell(&axis.name, axis.unit),
                 cell(format!("{:.2} to {:.2}", segment.t_min_c, segment.t_max_c)),
             ];
-            row.extend(values.zip(sigmas).map(|(value, sigma)| match (value, sigma) {
-                (0.0, 0.0) => dash(),
-                (_, 0.0) => cell(figure(value)),
-                _ => html! { (figure(value)) span.sigma { "\u{b1} " (format!("{sigma:.1e}")) } },
-            }));
+            row.extend(
+                values
+                    .zip(sigmas)
+                    .map(|(value, sigma)| with_sigma(value, sigma)),
+            );
             rows.push(row);
         }
     }
@@ -272,6 +274,53 @@ pub(super) fn coefficients(set: &CoefficientSet) -> Markup {
             h2 { "Coefficients" }
             p { "With 1 sigma; of 1, z, z\u{b2} in the unit of the axis, of T' and z T' per degC/min, with z "
                 "from -1 to 1 over the segment." }
+            (table(&head, rows))
+            (history(set))
+        }
+    }
+}
+
+fn with_sigma(value: f64, sigma: f64) -> Markup {
+    match (value, sigma) {
+        (0.0, 0.0) => dash(),
+        (_, 0.0) => cell(figure(value)),
+        _ => html! { (figure(value)) span.sigma { "\u{b1} " (format!("{sigma:.1e}")) } },
+    }
+}
+
+/// The terms of the thermal history; nothing where there are none.
+fn history(set: &CoefficientSet) -> Markup {
+    let mut rows = Vec::new();
+    for (channel, _, axis) in axes(set) {
+        let width = |width_c: f32| [cell("play"), cell(figure(width_c.into())), dash(), dash()];
+        let plays = channel.table.plays.iter();
+        let plays = plays.map(|play| (play.half_width_c > 0.0, width(play.half_width_c)));
+        let slow_parts = channel.table.slow_parts.iter().map(|part| {
+            let [tau, limit] = [part.tau_s, part.limit_c].map(|value| cell(figure(value.into())));
+            (part.limit_c > 0.0, [cell("slow part"), dash(), tau, limit])
+        });
+        let terms = plays.chain(slow_parts).zip(&axis.gains);
+        // Of a channel that earned fewer terms than another, some only make up the number.
+        for ((_, term), gain) in terms.filter(|((is_used, _), _)| *is_used) {
+            let mut row = vec![axis_cell(&axis.name, axis.unit)];
+            row.extend(term);
+            row.push(with_sigma(gain.gain, gain.sigma));
+            rows.push(row);
+        }
+    }
+    let head = [
+        "axis",
+        "term",
+        "w [degC]",
+        "tau [s]",
+        "lag up to [degC]",
+        "gain per degC",
+    ];
+    html! {
+        @if !rows.is_empty() {
+            p { "Terms of the thermal history: gains in the unit of the axis per degC that the contact of a "
+                "play, of half width w, or the slow part is behind the temperature, with 1 sigma for this "
+                "w or tau." }
             (table(&head, rows))
         }
     }
