@@ -3,7 +3,7 @@
 mod worlds;
 
 use tempco::{Thermal, ThermalSettings};
-use tempco_fit::fit::{FitOptions, fit};
+use tempco_fit::fit::{FitOptions, States, fit};
 use tempco_fit::log::Log;
 use tempco_fit::segment::Overlap;
 use tempco_fit::set::{CoefficientSet, Model};
@@ -138,6 +138,8 @@ fn coverage(white: f64, walk: f64) -> f64 {
         segments: Some("-13:10,10:40,40:76".parse().unwrap()),
         rate_tau_s: Some(thermal.tau_s),
         kappa: Some(thermal.kappa),
+        // The intervals are those of a given model.
+        states: States::None,
         ..options(Model::Spline)
     };
     let mut random = Random::new(9);
