@@ -38,7 +38,7 @@ fn row(programme: &str, bench: &Bench) -> String {
     for model in ["composite", "spline"] {
         let set = format!("{programme}_{model}");
         bench.ok(&format!(
-            "fit {log} --serial PLAN --out {set} --model {model}"
+            "fit {log} --serial PLAN --out {set} --model {model} --no-report"
         ));
         // Exit code 1 where compensation makes an axis worse.
         let judged = bench.run(&format!(
