@@ -40,18 +40,33 @@ pub fn root() -> PathBuf {
 /// If it does not build.
 pub fn tempco_path() -> &'static Path {
     static PATH: OnceLock<PathBuf> = OnceLock::new();
-    PATH.get_or_init(|| {
+    PATH.get_or_init(|| built().join("tempco"))
+}
+
+/// Path of an example of any package.
+///
+/// # Panics
+/// If the examples do not build.
+pub fn example_path(name: &str) -> PathBuf {
+    built().join("examples").join(name)
+}
+
+/// The folder of what was built: the command and all examples, in one build of the workspace, for
+/// which the libraries are those of the tests.
+fn built() -> &'static Path {
+    static FOLDER: OnceLock<PathBuf> = OnceLock::new();
+    FOLDER.get_or_init(|| {
         let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
         let built = Command::new(cargo)
             .current_dir(root())
-            .args(["build", "--quiet", "--locked", "--package", "tempco-cli"])
+            .args(["build", "--quiet", "--locked", "--workspace"])
+            .args(["--bin", "tempco", "--examples"])
             .status()
             .expect("cargo");
-        assert!(built.success(), "the `tempco` command does not build");
-        // target/PROFILE/deps/this-test -> target/PROFILE/tempco
+        assert!(built.success(), "command and examples do not build");
+        // target/PROFILE/deps/this-test
         let test = std::env::current_exe().expect("the path of this test");
-        let profile = test.ancestors().nth(2).expect("target folder").to_owned();
-        profile.join("tempco")
+        test.ancestors().nth(2).expect("target folder").to_owned()
     })
 }
 
