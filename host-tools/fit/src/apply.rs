@@ -1,6 +1,6 @@
 //! Applies a set to a log by running the core over it.
 
-use tempco::{Compensator, Interval, Status, Table, TableError};
+use tempco::{Compensator, Interval, Output, Status, Table, TableError};
 use thiserror::Error;
 
 use crate::log::Log;
@@ -152,14 +152,23 @@ impl<const AXES: usize> TableUse<1, AXES> for Run<'_, AXES> {
         for (row, (dt_s, &temp_c)) in self.log.intervals_s().zip(temps_c).enumerate() {
             let raw = self.inputs.row::<AXES>(row);
             let out = unit.step(&Interval::new(table.thermal(), dt_s), temp_c, raw);
-            for (axis, output) in axes.iter_mut().enumerate() {
-                output.raw.push(raw[axis]);
-                output.bias.push(out.bias[axis]);
-                output.compensated.push(out.compensated[axis]);
-            }
+            push_row(&mut axes, &raw, &out);
             self.status[row] |= out.status;
         }
         axes
+    }
+}
+
+/// Adds a row to each axis.
+pub(crate) fn push_row<const AXES: usize>(
+    axes: &mut [AxisOutput],
+    raw: &[f32; AXES],
+    out: &Output<AXES>,
+) {
+    for (axis, output) in axes.iter_mut().enumerate() {
+        output.raw.push(raw[axis]);
+        output.bias.push(out.bias[axis]);
+        output.compensated.push(out.compensated[axis]);
     }
 }
 

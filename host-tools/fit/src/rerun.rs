@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use tempco::{Compensator, Interval, Status, Table, TableError, ThermalPoint, ThermalState};
 use thiserror::Error;
 
-use crate::apply::{ApplyError, AxisOutput};
+use crate::apply::{ApplyError, AxisOutput, push_row};
 use crate::log::{Chunk, LogError, LogStream, ReadOptions};
 use crate::regress::with_every_rate;
 use crate::set::{ChannelSet, CoefficientSet, TableUse, use_tables};
@@ -221,11 +221,7 @@ impl<'t, const AXES: usize, const PLAYS: usize, const SLOW: usize> Unit<'t, AXES
             let out = self.core.step(&interval, temp_c, raw);
             points.push(self.state.update(&self.open, &interval, temp_c));
             status[row] |= out.status;
-            for (axis, output) in axes.iter_mut().enumerate() {
-                output.raw.push(raw[axis]);
-                output.bias.push(out.bias[axis]);
-                output.compensated.push(out.compensated[axis]);
-            }
+            push_row(&mut axes, &raw, &out);
         }
         ChannelAnswers { points, axes }
     }

@@ -99,10 +99,8 @@ impl TableUse<1, 1> for BlockBiases<'_> {
     ) -> Vec<f64> {
         let points = SamplePoints::new(self.data, table.thermal());
         let of_log = |log: usize| {
-            let points = points.of_log(log);
-            let start_c = points.first().map_or(0.0, |first| first.point.effective_c);
-            let mut history = HistoryState::new(start_c);
-            let bias = points.iter().map(|sample| {
+            let mut history = HistoryState::new(points.start_c(log));
+            let bias = points.of_log(log).iter().map(|sample| {
                 let effective_c = sample.point.effective_c;
                 let past = history.update(table.history(), &sample.interval, effective_c);
                 let (mut bias, _) = table.bias(&sample.point);

@@ -144,13 +144,11 @@ pub(crate) fn block_states(
 /// The values of each term by log and sample.
 pub(crate) fn sample_states(points: &SamplePoints, terms: &[Term]) -> Vec<Vec<Vec<f32>>> {
     let of_log = |term: &Term, log: usize| {
-        let points = points.of_log(log);
-        // With no rate yet, the first effective temperature is the temperature.
-        let start_c = points.first().map_or(0.0, |first| first.point.effective_c);
         let series = points
+            .of_log(log)
             .iter()
             .map(|sample| (sample.interval, sample.point.effective_c));
-        term.follow(start_c, series)
+        term.follow(points.start_c(log), series)
     };
     let logs = 0..points.logs();
     let of_term = |term: &Term| logs.clone().map(|log| of_log(term, log)).collect();
