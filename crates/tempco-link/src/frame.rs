@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use tempco_image::CRC;
 
 /// The most bytes of an encoded message with its numbers; a test holds the longest ones to it.
-pub const MAX_MESSAGE: usize = 288;
+pub const MAX_MESSAGE: usize = 1088;
 /// The most bytes of a frame on the wire.
 pub const MAX_FRAME: usize = cobs::max_encoding_length(MAX_MESSAGE + 4) + 2;
 

@@ -3,6 +3,8 @@
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
+use crate::FaultSet;
+
 /// Version of the protocol, major and minor.
 pub const VERSION: (u8, u8) = (1, 0);
 
@@ -10,6 +12,8 @@ pub const VERSION: (u8, u8) = (1, 0);
 pub const MAX_AXES: usize = 6;
 /// The most bytes of a chunk of an image; of whole words of any flash.
 pub const MAX_CHUNK: usize = 256;
+/// The most bytes of the gyro samples of a block: 80 samples of three axes.
+pub const MAX_BLOCK: usize = 960;
 /// The most faults in a response.
 pub const MAX_FAULTS: usize = 8;
 
@@ -97,6 +101,9 @@ pub enum Request<'a> {
         /// The lowest code.
         from_code: u16,
     },
+    /// Passes these through the sampling interrupt instead of samples of the gyro, at the pace of
+    /// its timer or as fast as it goes; answered by [`Response::Block`].
+    Block(SampleBlock<'a>),
 }
 
 /// What a unit says.
@@ -129,6 +136,10 @@ pub enum Response<'a> {
         channels: u8,
         /// Axes of each channel.
         axes: u8,
+        /// Gyro samples per second \[Hz\].
+        sample_rate_hz: f32,
+        /// Gyro samples between two temperatures.
+        samples_per_update: u16,
         /// The bank in use; none if the unit runs uncompensated.
         bank: Option<Bank>,
         /// CRC of the table in use, as in `coefficients.json`; 0 without one.
@@ -142,8 +153,8 @@ pub enum Response<'a> {
     Outcome(Outcome),
     /// Result of the built-in test.
     Bit {
-        /// Bits of the faults that were found; 0 if it passed.
-        faults: u32,
+        /// Faults that were found, by the bits of their codes; none if it passed.
+        faults: FaultSet,
     },
     /// Where the next chunk of an upload begins \[bytes\].
     Expected {
@@ -159,6 +170,8 @@ pub enum Response<'a> {
     },
     /// Faults by code; fewer than [`MAX_FAULTS`] if there are no more.
     Faults(Vec<FaultEntry, MAX_FAULTS>),
+    /// What became of a [`Request::Block`].
+    Block(OutcomeBlock<'a>),
 }
 
 /// Why a request was not carried out.
@@ -216,6 +229,32 @@ pub struct Outcome {
     pub compensated: Axes,
 }
 
+/// Gyro samples in place of those of the gyro, without gaps.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct SampleBlock<'a> {
+    /// Temperatures to take before the first sample, NaN where there is none; none at all where
+    /// the thermal update is not yet due \[degC\].
+    pub temps_c: Channels<f32>,
+    /// At the pace of the unit's timer; otherwise as fast as it goes.
+    pub real_time: bool,
+    /// Samples, each with its axes channel by channel, as `f32` with the low byte first; up to
+    /// [`MAX_BLOCK`] bytes \[unit of the axis\].
+    pub raw: &'a [u8],
+}
+
+/// What the unit made of a [`SampleBlock`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct OutcomeBlock<'a> {
+    /// Of each channel, at the last sample.
+    pub channels: Channels<ChannelTelemetry>,
+    /// Biases that were taken out of the last sample \[unit of the axis\].
+    pub bias: Axes,
+    /// Samples without their biases, laid out as the samples were \[unit of the axis\].
+    pub compensated: &'a [u8],
+}
+
 /// The thermal path of a channel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -238,18 +277,26 @@ pub struct Telemetry {
     pub uptime_ms: u32,
     /// Measured temperatures; NaN where there is none \[degC\].
     pub temps_c: Channels<f32>,
-    /// Gyro samples \[unit of the axis\].
+    /// Means of the gyro samples since the message before \[unit of the axis\].
     pub raw: Axes,
-    /// What the compensator made of them.
+    /// What the compensator made of them: means as well.
     pub outcome: Outcome,
+    /// Constant biases found by re-zero, which are taken out besides \[unit of the axis\].
+    pub offset: Axes,
     /// Gyro samples since power-on.
     pub samples: u32,
     /// Temperatures that were rejected, of all channels.
     pub rejected: u32,
-    /// Samples that were lost because they came too fast.
+    /// Samples whose outcome was lost, or whose interrupt came while the one before was busy.
     pub overruns: u32,
     /// Frames that were dropped.
     pub dropped_frames: u32,
+    /// Faults that are present.
+    pub faults: FaultSet,
+    /// Share of the processor's time that was not spent asleep, over the last second \[1/1000\].
+    pub load_permille: u16,
+    /// Longest time since power-on from the sampling interrupt to the output \[ns\].
+    pub latency_ns: u32,
 }
 
 /// A fault in the log of a unit.

@@ -7,9 +7,9 @@ use proptest::collection::vec;
 use proptest::prelude::*;
 use tempco_image::CRC;
 use tempco_link::{
-    Axes, Bank, ChannelTelemetry, Decoder, FaultEntry, Frame, LinkError, MAX_AXES, MAX_CHUNK,
-    MAX_FAULTS, MAX_FRAME, MAX_MESSAGE, Outcome, Refusal, Request, Response, Sample, Server,
-    Telemetry,
+    Axes, Bank, ChannelTelemetry, Decoder, FaultEntry, FaultSet, Frame, LinkError, MAX_AXES,
+    MAX_BLOCK, MAX_CHUNK, MAX_FAULTS, MAX_FRAME, MAX_MESSAGE, Outcome, OutcomeBlock, Refusal,
+    Request, Response, Sample, SampleBlock, Server, Telemetry,
 };
 
 fn filled<T: Clone, const N: usize>(value: &T) -> heapless::Vec<T, N> {
@@ -67,6 +67,22 @@ fn the_longest_messages_fit_and_longer_ones_are_refused() {
         rejected: u32::MAX,
         overruns: u32::MAX,
         dropped_frames: u32::MAX,
+        offset: filled(&f32::MAX),
+        faults: FaultSet(u32::MAX),
+        load_permille: u16::MAX,
+        latency_ns: u32::MAX,
+    }));
+    let block = [0xff; MAX_BLOCK];
+    fits(Request::Block(SampleBlock {
+        temps_c: filled(&f32::MAX),
+        real_time: true,
+        raw: &block,
+    }));
+    let outcome = largest_outcome();
+    fits(Response::Block(OutcomeBlock {
+        channels: outcome.channels,
+        bias: outcome.bias,
+        compensated: &block,
     }));
     let fault = FaultEntry {
         code: u16::MAX,
@@ -82,6 +98,8 @@ fn the_longest_messages_fit_and_longer_ones_are_refused() {
         firmware: &name,
         channels: 255,
         axes: 255,
+        sample_rate_hz: f32::MAX,
+        samples_per_update: u16::MAX,
         bank: Some(Bank::B),
         table_crc: u32::MAX,
         sequence: u32::MAX,
@@ -91,7 +109,7 @@ fn the_longest_messages_fit_and_longer_ones_are_refused() {
         sequence: u16::MAX,
         message: Request::UploadChunk {
             offset: u32::MAX,
-            bytes: &[0; 300],
+            bytes: &[0; MAX_MESSAGE],
         },
     };
     assert_eq!(long.encode(&mut [0; MAX_FRAME]), Err(LinkError::Long));
@@ -131,6 +149,14 @@ fn the_encoding_does_not_change() {
             },
         ),
         (12, Request::Faults { from_code: 0 }),
+        (
+            13,
+            Request::Block(SampleBlock {
+                temps_c: Default::default(),
+                real_time: false,
+                raw: &[],
+            }),
+        ),
     ] {
         assert_eq!(plain(&wire(9, 1, &request)).unwrap()[..3], [9, 1, number]);
     }
@@ -148,7 +174,12 @@ fn the_encoding_does_not_change() {
         (2, Response::Done),
         (4, Response::Telemetry(Telemetry::default())),
         (5, Response::Outcome(Outcome::default())),
-        (6, Response::Bit { faults: 0 }),
+        (
+            6,
+            Response::Bit {
+                faults: FaultSet::NONE,
+            },
+        ),
         (7, Response::Expected { offset: 0 }),
         (
             8,
@@ -158,6 +189,14 @@ fn the_encoding_does_not_change() {
             },
         ),
         (9, Response::Faults(heapless::Vec::new())),
+        (
+            10,
+            Response::Block(OutcomeBlock {
+                channels: Default::default(),
+                bias: Axes::new(),
+                compensated: &[],
+            }),
+        ),
     ] {
         let frame = Frame {
             session: 9,
@@ -211,7 +250,7 @@ fn long_frames_are_dropped_whole() {
     let good = [&message[..], &CRC.checksum(&message).to_le_bytes()].concat();
     for (more, taken) in [(0, true), (1, false), (300, false)] {
         let plain = [&good[..], &vec![1; more]].concat();
-        let mut stuffed = [0; 1024];
+        let mut stuffed = [0; 2 * MAX_FRAME];
         let len = cobs::try_encode_including_sentinels(&plain, &mut stuffed).unwrap();
         let mut decoder = Decoder::new();
         let mut frames = 0;
