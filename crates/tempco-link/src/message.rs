@@ -101,6 +101,8 @@ pub enum Request<'a> {
         /// The lowest code.
         from_code: u16,
     },
+    /// Forgets what was replayed: the next sample or block is the first one after power-on.
+    Restart,
     /// Passes these through the sampling interrupt instead of samples of the gyro, at the pace of
     /// its timer or as fast as it goes; answered by [`Response::Block`].
     Block(SampleBlock<'a>),

@@ -149,8 +149,9 @@ fn the_encoding_does_not_change() {
             },
         ),
         (12, Request::Faults { from_code: 0 }),
+        (13, Request::Restart),
         (
-            13,
+            14,
             Request::Block(SampleBlock {
                 temps_c: Default::default(),
                 real_time: false,

@@ -79,7 +79,7 @@ impl<'t, const C: usize, const A: usize, const PLAYS: usize, const SLOW: usize>
 
 /// A NaN of an arithmetic operation differs in sign and payload between processors; here it is
 /// always the positive quiet one.
-fn canonical(value: f32) -> f32 {
+pub(crate) fn canonical(value: f32) -> f32 {
     if value.is_nan() {
         f32::from_bits(0x7fc0_0000)
     } else {

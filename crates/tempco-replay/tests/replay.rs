@@ -1,7 +1,10 @@
 //! The replay step against the core it wraps.
 
-use tempco::{Compensator, Interval, Status, Table, Terms, Thermal, ThermalSettings, Validity};
-use tempco_replay::{Replay, Sample};
+use tempco::{
+    Compensator, Interval, Status, Table, Terms, Thermal, ThermalSettings, TwoRateCompensator,
+    Validity,
+};
+use tempco_replay::{Replay, Sample, Schedule, Stream};
 
 const CELLS: [[Terms; 2]; 2] = [[Terms {
     a: [1.0, 2.0, 0.5],
@@ -99,5 +102,39 @@ fn every_nan_comes_out_as_the_same_one() {
         assert_eq!(channel.compensated[0].to_bits(), 0x7fc0_0000);
         assert_eq!(channel.compensated[1], f32::INFINITY);
         assert!(channel.bias.iter().all(|bias| bias.is_finite()));
+    }
+}
+
+#[test]
+fn a_stream_is_a_two_rate_compensator_per_channel() {
+    let tables = [table(60.0), table(10.0)];
+    let schedule = Schedule {
+        sample_rate_hz: 2000.0,
+        samples_per_update: 200,
+    };
+    let mut stream = Stream::new(&tables, &schedule);
+    let mut units = tables.each_ref().map(|t| TwoRateCompensator::new(t, 200));
+    for i in 0..2000_u16 {
+        if i % 200 == 100 {
+            let temp_c = 20.0 + f32::from(i) * 0.01;
+            for (unit, table) in units.iter_mut().zip(&tables) {
+                if i == 100 {
+                    unit.start(temp_c);
+                }
+                unit.update(&Interval::new(table.thermal(), 0.1), temp_c);
+            }
+            stream.temperatures(&[temp_c; 2]);
+        }
+        let raw = [[1.0, f32::NAN], [3.0, f32::from(i)]];
+        let outcome = stream.sample(&raw);
+        for channel in 0..2 {
+            let expected = units[channel].compensate(raw[channel]);
+            let got = outcome.channels[channel];
+            assert_eq!(got.bias, units[channel].bias());
+            assert_eq!(got.compensated[1].is_nan(), channel == 0);
+            assert_eq!(got.compensated[0], expected[0]);
+            assert_eq!(got.flags().contains(Status::RAW_INVALID), channel == 0);
+            assert_eq!(got.flags().contains(Status::TEMPERATURE_LOST), i < 100);
+        }
     }
 }
