@@ -1,0 +1,100 @@
+//! What the application needs of a board.
+
+use embedded_io::{Read, ReadReady, Write};
+use embedded_storage::nor_flash::NorFlash;
+use tempco_replay::Outcome;
+use tempco_sensors::SensorFault;
+use tempco_store::Region;
+
+/// The gyro's electronics; used by the sampling interrupt alone, and must not wait for anything.
+pub trait Gyro<const C: usize, const A: usize> {
+    /// Counts since the last call, channel by channel.
+    fn counts(&mut self) -> [[i32; A]; C];
+
+    /// Sends an outcome to where the unit's output goes.
+    fn put(&mut self, outcome: &Outcome<C, A>);
+}
+
+/// The temperature sensors; may wait for a bus, but not for a conversion.
+pub trait Thermometers<const C: usize> {
+    /// The number of equal readings in a row that the noise of a good sensor rules out; none for
+    /// sensors of coarse resolution, of which a constant code is no evidence.
+    const STUCK_AFTER: Option<u32>;
+
+    /// The last conversion of each sensor \[degC\].
+    fn read(&mut self) -> [Result<f32, SensorFault>; C];
+}
+
+/// Resets the unit unless it is fed.
+pub trait Watchdog {
+    /// Starts it; it then cannot be stopped.
+    fn start(&mut self, timeout_ms: u32);
+
+    /// Puts the reset off by the timeout.
+    fn feed(&mut self);
+}
+
+/// Time in counts of the sampling timer, which begins a new period with every interrupt.
+pub trait SampleClock {
+    /// Counts since the last interrupt.
+    fn since_interrupt(&self) -> u32;
+
+    /// Counts of a period.
+    fn period(&self) -> u32;
+
+    /// Sleeps until the next interrupt, and returns the counts asleep. Interrupts are carried out
+    /// after the time was taken.
+    fn sleep(&self) -> u32;
+
+    /// Lets the sampling interrupt come now, besides its timer, and returns after it.
+    fn interrupt_now(&self);
+}
+
+/// Why the unit started.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum ResetCause {
+    /// The supply came, or nothing is known.
+    PowerOn,
+    /// The supply was too low.
+    BrownOut,
+    /// The watchdog was not fed.
+    Watchdog,
+    /// The program or the reset pin.
+    Commanded,
+}
+
+/// Where the store is in the flash.
+#[derive(Clone, Copy, Debug)]
+pub struct Regions {
+    /// The two copies of the table.
+    pub slots: [Region; 2],
+    /// The fault log.
+    pub faults: Region,
+    /// The constant biases of re-zero.
+    pub offsets: Region,
+}
+
+/// What a board's module hands over, with everything set up.
+pub struct Devices<L, F, T, W> {
+    /// Bytes to and from the host. Reading takes what has come and does not wait.
+    pub link: L,
+    /// The flash that holds the store.
+    pub flash: F,
+    /// Its layout.
+    pub regions: Regions,
+    /// The temperature sensors.
+    pub thermometers: T,
+    /// The watchdog, not yet started.
+    pub watchdog: W,
+    /// Why the unit started.
+    pub reset_cause: ResetCause,
+}
+
+/// What the link is made of.
+pub trait Link: Read + ReadReady + Write {}
+impl<L: Read + ReadReady + Write> Link for L {}
+
+/// What the store is kept in.
+pub trait Flash: NorFlash {}
+impl<F: NorFlash> Flash for F {}
