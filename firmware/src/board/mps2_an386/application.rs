@@ -1,0 +1,204 @@
+//! The board's set-up for the application.
+
+use core::sync::atomic::AtomicU32;
+
+use cortex_m_rt::exception;
+use tempco_store::Region;
+
+use super::bench::{BenchGyro, BenchThermometers};
+use super::nor::Nor;
+use super::uart::Uart;
+use crate::reset;
+use crate::unit::devices::{Devices, Regions, ResetCause, Watchdog};
+
+/// The gyro.
+pub type BoardGyro = BenchGyro;
+/// The flash that holds the store.
+pub type BoardFlash = Nor<'static>;
+
+/// Where the store is in the flash.
+pub const REGIONS: Regions = Regions {
+    slots: [
+        Region {
+            start: 0,
+            len: 0x8000,
+        },
+        Region {
+            start: 0x8000,
+            len: 0x8000,
+        },
+    ],
+    faults: Region {
+        start: 0x1_0000,
+        len: 0x2000,
+    },
+    offsets: Region {
+        start: 0x1_2000,
+        len: 0x2000,
+    },
+};
+
+const FLASH_WORDS: usize = 0x1_4000 / 4;
+
+// SAFETY: the section is not loaded, so what is here before the first erase is whatever the RAM
+// holds, and any bits are an `AtomicU32`.
+#[allow(unsafe_code)]
+#[unsafe(link_section = ".uninit.FLASH")]
+static FLASH: [AtomicU32; FLASH_WORDS] = [const { AtomicU32::new(0) }; FLASH_WORDS];
+
+/// Sets the board up. Once.
+pub fn take(
+    nvic: &mut cortex_m::peripheral::NVIC,
+) -> Option<(
+    Devices<Uart, BenchThermometers, BoardWatchdog>,
+    BoardFlash,
+    BoardGyro,
+)> {
+    let flash = Nor(&FLASH);
+    let devices = Devices {
+        link: Uart::link()?,
+        thermometers: BenchThermometers::new(Uart::bench()?, flash),
+        watchdog: BoardWatchdog(()),
+        // The board does not tell; the watchdog's warning does.
+        reset_cause: ResetCause::PowerOn,
+    };
+    for interrupt in [Interrupt::UARTRX0, Interrupt::UARTRX1] {
+        // SAFETY: the handlers have what they need, and nothing relies on their being masked.
+        #[allow(unsafe_code)]
+        unsafe {
+            nvic.set_priority(interrupt, RECEIVE_PRIORITY);
+            cortex_m::peripheral::NVIC::unmask(interrupt);
+        }
+    }
+    Some((devices, flash, BenchGyro::new()))
+}
+
+/// Below the sampling interrupt, which has the highest there is.
+const RECEIVE_PRIORITY: u8 = 0x80;
+
+/// The CMSDK APB watchdog: at its first timeout a non-maskable interrupt, which resets.
+pub struct BoardWatchdog(());
+
+impl Watchdog for BoardWatchdog {
+    fn start(&mut self, timeout_ms: u32) {
+        registers::start_watchdog(timeout_ms * 25_000);
+    }
+
+    fn feed(&mut self) {
+        registers::feed_watchdog();
+    }
+}
+
+// SAFETY: the handler writes atomics and resets the processor; it returns to nothing.
+#[allow(unsafe_code)]
+#[exception]
+unsafe fn NonMaskableInt() -> ! {
+    reset::because(reset::Reason::Watchdog)
+}
+
+/// The interrupts in use.
+#[derive(Clone, Copy, Debug)]
+#[repr(u16)]
+pub enum Interrupt {
+    /// UART0 has received.
+    UARTRX0 = 0,
+    /// UART1 has received.
+    UARTRX1 = 2,
+}
+
+// SAFETY: the numbers are those of the AN386, and within the vector table below.
+#[allow(unsafe_code)]
+unsafe impl cortex_m::interrupt::InterruptNumber for Interrupt {
+    fn number(self) -> u16 {
+        self as u16
+    }
+}
+
+mod vectors {
+    use super::Interrupt;
+
+    /// Interrupts of the AN386.
+    const COUNT: usize = 32;
+
+    // SAFETY: the linker script points the names at the default handler where there is none.
+    #[allow(unsafe_code)]
+    unsafe extern "C" {
+        fn UARTRX0();
+        fn UARTRX1();
+        fn DefaultHandler();
+    }
+
+    // SAFETY: the place and the name are those that cortex-m-rt's linker script asks for with its
+    // feature `device`; each entry is a handler.
+    #[allow(unsafe_code)]
+    #[unsafe(link_section = ".vector_table.interrupts")]
+    #[unsafe(no_mangle)]
+    static __INTERRUPTS: [unsafe extern "C" fn(); COUNT] = {
+        let mut vectors: [unsafe extern "C" fn(); COUNT] = [DefaultHandler; COUNT];
+        vectors[Interrupt::UARTRX0 as usize] = UARTRX0;
+        vectors[Interrupt::UARTRX1 as usize] = UARTRX1;
+        vectors
+    };
+}
+
+/// The devices' registers.
+pub(super) mod registers {
+    use volatile_register::RW;
+
+    use super::super::uart;
+
+    #[repr(C)]
+    struct WatchdogRegisters {
+        load: RW<u32>,
+        value: RW<u32>,
+        control: RW<u32>,
+        clear: RW<u32>,
+    }
+
+    const WATCHDOG_ENABLE: u32 = 1;
+    const WATCHDOG_RESET: u32 = 2;
+
+    // SAFETY: the addresses are those of the devices in Arm's Application Note AN386, mapped for
+    // ever, aligned to words, and of registers that are accessed by volatile words only.
+    #[allow(unsafe_code)]
+    mod at {
+        use super::{RW, WatchdogRegisters, uart};
+
+        pub(super) fn uart0() -> &'static uart::Registers {
+            unsafe { &*core::ptr::with_exposed_provenance(0x4000_4000) }
+        }
+        pub(super) fn uart1() -> &'static uart::Registers {
+            unsafe { &*core::ptr::with_exposed_provenance(0x4000_5000) }
+        }
+        pub(super) fn watchdog() -> &'static WatchdogRegisters {
+            unsafe { &*core::ptr::with_exposed_provenance(0x4000_8000) }
+        }
+        pub(super) fn lamps() -> &'static RW<u32> {
+            unsafe { &*core::ptr::with_exposed_provenance(0x4002_8000) }
+        }
+        pub(super) fn write(register: &RW<u32>, value: u32) {
+            unsafe { register.write(value) }
+        }
+    }
+
+    pub(in super::super) fn uart0() -> &'static uart::Registers {
+        at::uart0()
+    }
+
+    pub(in super::super) fn uart1() -> &'static uart::Registers {
+        at::uart1()
+    }
+
+    pub(in super::super) fn put_lamps(value: u32) {
+        at::write(at::lamps(), value);
+    }
+
+    pub(super) fn start_watchdog(counts: u32) {
+        at::write(&at::watchdog().load, counts);
+        at::write(&at::watchdog().control, WATCHDOG_ENABLE | WATCHDOG_RESET);
+    }
+
+    pub(super) fn feed_watchdog() {
+        at::write(&at::watchdog().clear, 1);
+    }
+}
