@@ -3,6 +3,9 @@
 //! In QEMU (`mps2-an386`) one SysTick count is 40 ns, and with `-icount shift=0` an instruction
 //! takes 1 ns: 40 calls of a function take one count per instruction of the function.
 
+#[cfg(all(target_os = "none", feature = "board-mps2-an386"))]
+pub mod interrupts;
+
 use super::Board;
 
 /// The board.
