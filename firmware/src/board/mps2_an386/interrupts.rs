@@ -1,6 +1,6 @@
 //! The interrupts of the AN386, as a peripheral access crate would name them.
 //!
-//! A handler is `#[interrupt] fn UARTRX0()` with [`interrupt`] in scope. What has none ends in the
+//! A handler is `#[interrupt] fn UARTRX0()` with `interrupt` in scope. What has none ends in the
 //! default handler.
 
 use cortex_m::interrupt::InterruptNumber;
