@@ -18,6 +18,9 @@ mod uart;
 #[cfg(all(target_os = "none", feature = "application"))]
 pub use application::*;
 
+#[cfg(all(target_os = "none", feature = "board-mps2-an386"))]
+pub mod interrupts;
+
 use super::Board;
 
 /// The board.

@@ -4,6 +4,10 @@
 //! oscillator, and nothing here changes that: nothing depends on time but the counts of `bench`,
 //! which only QEMU can make.
 
+// Linked for the interrupt vectors.
+#[cfg(all(target_os = "none", feature = "board-stm32f405"))]
+use stm32f4xx_hal as _;
+
 use super::Board;
 
 /// The board.

@@ -58,7 +58,7 @@ pub trait SampleClock {
 
 /// Why the unit started.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(target_os = "none", derive(defmt::Format))]
 pub enum ResetCause {
     /// The supply came, or nothing is known.
     PowerOn,

@@ -3,14 +3,14 @@
 
 use core::hint::black_box;
 
-use tempco::{Terms, Thermal, ThermalSettings};
+use tempco::{Play, SlowPart, Table, Terms, Thermal, ThermalSettings};
 use tempco_image::CRC;
 use tempco_replay::Schedule;
 
-use super::{UnitStream, UnitTable};
+use super::UnitStream;
 
 /// CRC-32P4 of the outcomes, as every host and target finds it.
-const ANSWER: u32 = 0;
+const ANSWER: u32 = 0x62f7feea;
 
 const CELLS: [[Terms; 2]; 3] = [
     [
@@ -45,6 +45,22 @@ const CELLS: [[Terms; 2]; 3] = [
     ],
 ];
 
+const PLAYS: [Play<2>; 2] = [
+    Play {
+        half_width_c: 1.5,
+        gain: [0.011, -0.023],
+    },
+    Play {
+        half_width_c: 4.0,
+        gain: [-0.0072, 0.019],
+    },
+];
+const SLOW_PARTS: [SlowPart<2>; 1] = [SlowPart {
+    tau_s: 600.0,
+    limit_c: 8.0,
+    gain: [0.0041, 0.0063],
+}];
+
 /// Whether the answer is the known one. It takes some 60,000 instructions.
 pub fn is_right() -> bool {
     answer() == Some(ANSWER)
@@ -52,8 +68,8 @@ pub fn is_right() -> bool {
 
 fn answer() -> Option<u32> {
     let thermal = Thermal::new(ThermalSettings::DEFAULT).ok()?;
-    let tables: [UnitTable<'_, 2>; 1] =
-        [UnitTable::with_history(thermal, -20.0, 70.0, &CELLS, Default::default()).ok()?];
+    let table = Table::new(thermal, -20.0, 70.0, &CELLS).ok()?;
+    let tables = [table.with_history(PLAYS, SLOW_PARTS).ok()?];
     let schedule = Schedule {
         sample_rate_hz: 20.0,
         samples_per_update: 4,

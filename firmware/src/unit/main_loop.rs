@@ -1,8 +1,7 @@
 //! The main loop, one pass at a time.
 
-use embedded_io::Write as _;
 use tempco_image::{Image, Unit as AxisUnit};
-use tempco_link::{Fault, Server};
+use tempco_link::{Counters, Fault, Server};
 use tempco_replay::Schedule;
 
 use super::devices::{Devices, Flash, Link, ResetCause, SampleClock, Thermometers, Watchdog};
@@ -186,7 +185,7 @@ where
             return;
         }
         self.cared_ms = now_ms;
-        self.service.dropped_frames = self.server.counters().dropped();
+        self.service.dropped_frames = dropped(self.server.counters());
         self.service.care();
         let overruns = self.service.overruns();
         if overruns != self.overruns {
@@ -216,6 +215,10 @@ where
         self.load_from = self.load_from.wrapping_add(samples);
         self.asleep = 0;
     }
+}
+
+fn dropped(counters: &Counters) -> u32 {
+    counters.long.saturating_add(counters.damaged)
 }
 
 /// From counts per sample to the unit of each axis of an image, or to pulses per second without

@@ -62,7 +62,8 @@ impl<'t, G: Gyro<C, A>, const C: usize, const A: usize> Sampling<'t, G, C, A> {
             self.gyro.put(&moment.outcome);
             let latency = clock.since_interrupt();
             raise(&self.ends.counts.latency, latency);
-            self.count(self.ends.moments.enqueue(moment).is_err());
+            let is_lost = self.ends.moments.enqueue(moment).is_err();
+            self.count(is_lost);
         }
         self.replay();
         self.count(clock.is_pending());
@@ -123,7 +124,8 @@ impl<'t, G: Gyro<C, A>, const C: usize, const A: usize> Sampling<'t, G, C, A> {
                 }
                 Injected::Sample(raw) => {
                     let outcome = sample(self.replay_stream.as_mut(), &raw);
-                    self.count(self.ends.replies.enqueue(outcome).is_err());
+                    let is_lost = self.ends.replies.enqueue(outcome).is_err();
+                    self.count(is_lost);
                     // One sample per interrupt, as of the gyro.
                     return;
                 }

@@ -6,6 +6,7 @@ use cortex_m_rt::exception;
 use tempco_store::Region;
 
 use super::bench::{BenchGyro, BenchThermometers};
+use super::interrupts::Interrupt;
 use super::nor::Nor;
 use super::uart::Uart;
 use crate::reset;
@@ -94,51 +95,6 @@ impl Watchdog for BoardWatchdog {
 #[exception]
 unsafe fn NonMaskableInt() -> ! {
     reset::because(reset::Reason::Watchdog)
-}
-
-/// The interrupts in use.
-#[derive(Clone, Copy, Debug)]
-#[repr(u16)]
-pub enum Interrupt {
-    /// UART0 has received.
-    UARTRX0 = 0,
-    /// UART1 has received.
-    UARTRX1 = 2,
-}
-
-// SAFETY: the numbers are those of the AN386, and within the vector table below.
-#[allow(unsafe_code)]
-unsafe impl cortex_m::interrupt::InterruptNumber for Interrupt {
-    fn number(self) -> u16 {
-        self as u16
-    }
-}
-
-mod vectors {
-    use super::Interrupt;
-
-    /// Interrupts of the AN386.
-    const COUNT: usize = 32;
-
-    // SAFETY: the linker script points the names at the default handler where there is none.
-    #[allow(unsafe_code)]
-    unsafe extern "C" {
-        fn UARTRX0();
-        fn UARTRX1();
-        fn DefaultHandler();
-    }
-
-    // SAFETY: the place and the name are those that cortex-m-rt's linker script asks for with its
-    // feature `device`; each entry is a handler.
-    #[allow(unsafe_code)]
-    #[unsafe(link_section = ".vector_table.interrupts")]
-    #[unsafe(no_mangle)]
-    static __INTERRUPTS: [unsafe extern "C" fn(); COUNT] = {
-        let mut vectors: [unsafe extern "C" fn(); COUNT] = [DefaultHandler; COUNT];
-        vectors[Interrupt::UARTRX0 as usize] = UARTRX0;
-        vectors[Interrupt::UARTRX1 as usize] = UARTRX1;
-        vectors
-    };
 }
 
 /// The devices' registers.

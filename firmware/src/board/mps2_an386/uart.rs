@@ -3,13 +3,13 @@
 use core::cell::RefCell;
 use core::convert::Infallible;
 
-use cortex_m_rt::interrupt;
 use critical_section::Mutex;
 use embedded_io::{ErrorType, Read, ReadReady, Write};
 use heapless::spsc::{Consumer, Producer, Queue};
 use volatile_register::RW;
 
-use super::application::{Interrupt as interrupt, registers};
+use super::application::registers;
+use super::interrupts::interrupt;
 
 /// Bytes that may wait for the main loop: 5 ms at 921600 baud.
 const RECEIVED: usize = 512;
@@ -28,7 +28,7 @@ const RX_INTERRUPT_CLEAR: u32 = 2;
 
 /// As in the technical reference manual of the Cortex-M System Design Kit.
 #[repr(C)]
-pub struct Registers {
+pub(super) struct Registers {
     data: RW<u32>,
     state: RW<u32>,
     control: RW<u32>,
@@ -44,7 +44,8 @@ pub struct Uart {
 
 /// The receiving side, in its interrupt.
 struct Receiver {
-    registers: &'static Registers,
+    /// A function, since a reference to registers cannot be handed to an interrupt.
+    registers: fn() -> &'static Registers,
     received: Producer<'static, u8>,
 }
 
@@ -57,23 +58,24 @@ impl Uart {
     /// UART0, the link. Once.
     pub fn link() -> Option<Self> {
         let queue = cortex_m::singleton!(: Queue<u8, RECEIVED> = Queue::new())?;
-        Some(Self::new(0, registers::uart0(), queue))
+        Some(Self::new(0, registers::uart0, queue))
     }
 
     /// UART1, the test bench. Once.
     pub fn bench() -> Option<Self> {
         let queue = cortex_m::singleton!(: Queue<u8, RECEIVED> = Queue::new())?;
-        Some(Self::new(1, registers::uart1(), queue))
+        Some(Self::new(1, registers::uart1, queue))
     }
 
     fn new(
         number: usize,
-        registers: &'static Registers,
+        at: fn() -> &'static Registers,
         queue: &'static mut Queue<u8, RECEIVED>,
     ) -> Self {
         let (producer, consumer) = queue.split();
+        let registers = at();
         let receiver = Receiver {
-            registers,
+            registers: at,
             received: producer,
         };
         critical_section::with(|cs| {
@@ -98,14 +100,15 @@ impl Uart {
 
 impl Receiver {
     fn interrupt(&mut self) {
+        let registers = (self.registers)();
         // SAFETY: as above.
         #[allow(unsafe_code)]
         unsafe {
-            self.registers.interrupt.write(RX_INTERRUPT_CLEAR);
+            registers.interrupt.write(RX_INTERRUPT_CLEAR);
         }
-        while self.registers.state.read() & RX_FULL != 0 {
+        while registers.state.read() & RX_FULL != 0 {
             // A byte that finds no place is lost, and its frame with it, which the link sees.
-            _ = self.received.enqueue(self.registers.data.read() as u8);
+            _ = self.received.enqueue(registers.data.read() as u8);
         }
     }
 }
