@@ -80,7 +80,7 @@ mod image {
             tables.map_or(0, |(_, crc)| crc)
         );
 
-        let offsets = [[0.0; AXES]; CHANNELS];
+        let offsets = storage.offsets(tables.map_or(0, |(_, crc)| crc));
         let queues = singleton!(: Queues<CHANNELS, AXES> = Queues::new())?;
         let (interrupt_ends, ends) = queues.split(&COUNTS);
         let scale = scale(image.as_ref(), SCHEDULE.sample_rate_hz);

@@ -141,16 +141,28 @@ where
         self.last = Some(*moment);
     }
 
-    /// What was found at rest comes on top of what was taken out already.
+    /// What was found at rest comes on top of what was taken out already. It takes effect once it
+    /// is kept.
     fn set_offsets(&mut self, found: PerAxis<C, A>) {
-        for (offsets, found) in self.offsets.iter_mut().zip(&found) {
+        let mut offsets = self.offsets;
+        for (offsets, found) in offsets.iter_mut().zip(&found) {
             for (offset, found) in offsets.iter_mut().zip(found) {
                 *offset += found;
             }
         }
-        // Cannot fail: the interrupt has long taken the ones before.
-        _ = self.ends.offsets.enqueue(self.offsets);
-        crate::info!("re-zero: {}", self.offsets);
+        let table_crc = self.tables.map_or(0, |(_, crc)| crc);
+        match self.storage.set_offsets(table_crc, &offsets) {
+            Ok(()) => {
+                self.offsets = offsets;
+                // Cannot fail: the interrupt has long taken the ones before.
+                _ = self.ends.offsets.enqueue(offsets);
+                crate::info!("re-zero: {}", offsets);
+            }
+            Err(error) => {
+                crate::warn!("re-zero: {}", error);
+                self.note(Fault::Flash, 0);
+            }
+        }
     }
 
     /// Reads the thermometers, and sends their temperatures to the interrupt.

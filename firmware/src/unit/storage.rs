@@ -1,8 +1,8 @@
 //! Tables, fault log and offsets in the flash.
 
 use tempco_image::{Image, ImageError, MAX_PLAYS, MAX_SLOW_PARTS};
-use tempco_link::{Bank, Fault, FaultEntry, MAX_FAULTS, Refusal};
-use tempco_store::{Active, Checked, FaultLog, Slot, SlotState, Store, StoreError};
+use tempco_link::{Bank, Fault, FaultEntry, MAX_AXES, MAX_FAULTS, Refusal};
+use tempco_store::{Active, Checked, FaultLog, Offsets, Slot, SlotState, Store, StoreError};
 
 use super::SERIAL;
 use super::devices::{Flash, Regions};
@@ -20,6 +20,7 @@ pub struct Storage<'t, F> {
     regions: Regions,
     store: Store,
     faults: FaultLog<CODES>,
+    offsets: Offsets<MAX_AXES>,
     /// Where an image is loaded to be looked at; the one in use stays where it is.
     scratch: &'t mut [u8],
     active: Option<Active>,
@@ -48,6 +49,7 @@ impl<'t, F: Flash> Storage<'t, F> {
         let mut faults = FaultLog::open(&mut flash, regions.faults)?;
         // Without the log the number of the boot is not known either, but nothing else is.
         _ = faults.record(&mut flash, BOOTS, 0, 0);
+        let offsets = Offsets::open(&mut flash, regions.offsets)?;
         let [a, b] = regions.slots;
         let mut store = Store::new(&flash, a, b)?;
         let boot = store.boot(&mut flash, buffer, accept::<C, A>);
@@ -60,6 +62,7 @@ impl<'t, F: Flash> Storage<'t, F> {
             regions,
             store,
             faults,
+            offsets,
             scratch,
             active: boot.active,
             is_damaged: boot.slots.map(|slot| matches!(slot, SlotState::Bad(_))),
@@ -106,6 +109,29 @@ impl<'t, F: Flash> Storage<'t, F> {
             detail: fault.detail,
         };
         occurred.map(entry).take(MAX_FAULTS).collect()
+    }
+
+    /// The constant biases that re-zero has found with a table.
+    pub fn offsets<const C: usize, const A: usize>(&self, table_crc: u32) -> [[f32; A]; C] {
+        let all = self.offsets.of(table_crc);
+        let mut all = all.into_iter();
+        core::array::from_fn(|_| core::array::from_fn(|_| all.next().unwrap_or(0.0)))
+    }
+
+    /// Keeps the constant biases that re-zero has found with a table.
+    ///
+    /// # Errors
+    /// A failing flash, or one that is not finite; the ones before are then kept.
+    pub fn set_offsets<const C: usize, const A: usize>(
+        &mut self,
+        table_crc: u32,
+        offsets: &[[f32; A]; C],
+    ) -> Result<(), StoreError> {
+        let mut all = [0.0; MAX_AXES];
+        for (place, offset) in all.iter_mut().zip(offsets.as_flattened()) {
+            *place = *offset;
+        }
+        self.offsets.set(&mut self.flash, table_crc, all)
     }
 
     /// Checks the next stretch of the slots, which take turns.

@@ -1,7 +1,5 @@
 //! The board's set-up for the application.
 
-use core::sync::atomic::AtomicU32;
-
 use cortex_m_rt::exception;
 use tempco_store::Region;
 
@@ -17,7 +15,7 @@ pub type BoardGyro = BenchGyro;
 /// The flash that holds the store.
 pub type BoardFlash = Nor<'static>;
 
-/// Where the store is in the flash.
+/// Where the store is in the flash, which is at the start of the PSRAM (0x21000000).
 pub const REGIONS: Regions = Regions {
     slots: [
         Region {
@@ -39,14 +37,6 @@ pub const REGIONS: Regions = Regions {
     },
 };
 
-const FLASH_WORDS: usize = 0x1_4000 / 4;
-
-// SAFETY: the section is not loaded, so what is here before the first erase is whatever the RAM
-// holds, and any bits are an `AtomicU32`.
-#[allow(unsafe_code)]
-#[unsafe(link_section = ".uninit.FLASH")]
-static FLASH: [AtomicU32; FLASH_WORDS] = [const { AtomicU32::new(0) }; FLASH_WORDS];
-
 /// Sets the board up. Once.
 pub fn take(
     nvic: &mut cortex_m::peripheral::NVIC,
@@ -55,10 +45,10 @@ pub fn take(
     BoardFlash,
     BoardGyro,
 )> {
-    let flash = Nor(&FLASH);
+    let flash = Nor(registers::flash());
     let devices = Devices {
         link: Uart::link()?,
-        thermometers: BenchThermometers::new(Uart::bench()?, flash),
+        thermometers: BenchThermometers::new(Uart::bench()?),
         watchdog: BoardWatchdog(()),
         // The board does not tell; the watchdog's warning does.
         reset_cause: ResetCause::PowerOn,
@@ -99,9 +89,13 @@ unsafe fn NonMaskableInt() -> ! {
 
 /// The devices' registers.
 pub(super) mod registers {
+    use core::sync::atomic::AtomicU32;
+
     use volatile_register::RW;
 
     use super::super::uart;
+
+    pub(super) const FLASH_WORDS: usize = 0x1_4000 / 4;
 
     #[repr(C)]
     struct WatchdogRegisters {
@@ -115,10 +109,11 @@ pub(super) mod registers {
     const WATCHDOG_RESET: u32 = 2;
 
     // SAFETY: the addresses are those of the devices in Arm's Application Note AN386, mapped for
-    // ever, aligned to words, and of registers that are accessed by volatile words only.
+    // ever, aligned to words, and of registers that are accessed by volatile words only. The PSRAM
+    // is RAM that the linker does not use; any bits are an `AtomicU32`.
     #[allow(unsafe_code)]
     mod at {
-        use super::{RW, WatchdogRegisters, uart};
+        use super::{AtomicU32, FLASH_WORDS, RW, WatchdogRegisters, uart};
 
         pub(super) fn uart0() -> &'static uart::Registers {
             unsafe { &*core::ptr::with_exposed_provenance(0x4000_4000) }
@@ -132,9 +127,16 @@ pub(super) mod registers {
         pub(super) fn lamps() -> &'static RW<u32> {
             unsafe { &*core::ptr::with_exposed_provenance(0x4002_8000) }
         }
+        pub(super) fn flash() -> &'static [AtomicU32; FLASH_WORDS] {
+            unsafe { &*core::ptr::with_exposed_provenance(0x2100_0000) }
+        }
         pub(super) fn write(register: &RW<u32>, value: u32) {
             unsafe { register.write(value) }
         }
+    }
+
+    pub(super) fn flash() -> &'static [AtomicU32; FLASH_WORDS] {
+        at::flash()
     }
 
     pub(in super::super) fn uart0() -> &'static uart::Registers {

@@ -1,4 +1,4 @@
-//! The test bench on UART1, in place of sensors, gyro, and whatever damages a flash.
+//! The test bench on UART1, in place of sensors and gyro.
 //!
 //! A message is 8 bytes: `0xa5`, a letter, a number, `0`, and 4 bytes of a value, low byte first.
 //!
@@ -7,7 +7,6 @@
 //! | `T` | channel | its temperature from now on, `f32` \[degC\] |
 //! | `E` | channel | its fault from now on: 0 bus, 1 open, 2 short, 3 rail, 4 not ready |
 //! | `G` | axis | its counts per sample from now on, `i32` |
-//! | `D` | 0 | the bit of the flash that turns over |
 //! | `S` | 0 | stops the main loop, as a defect would |
 
 use core::cell::RefCell;
@@ -18,7 +17,6 @@ use tempco_replay::Outcome;
 use tempco_sensors::SensorFault;
 
 use super::application::registers;
-use super::nor::Nor;
 use super::uart::Uart;
 use crate::unit::devices::{Gyro, Thermometers};
 
@@ -31,16 +29,14 @@ static COUNTS: [AtomicI32; MAX] = [const { AtomicI32::new(0) }; MAX];
 /// The sensors.
 pub struct BenchThermometers {
     line: Uart,
-    flash: Nor<'static>,
     message: heapless::Vec<u8, 8>,
     readings: RefCell<[Result<f32, SensorFault>; MAX]>,
 }
 
 impl BenchThermometers {
-    pub(super) fn new(line: Uart, flash: Nor<'static>) -> Self {
+    pub(super) fn new(line: Uart) -> Self {
         Self {
             line,
-            flash,
             message: heapless::Vec::new(),
             readings: RefCell::new([Ok(25.0); MAX]),
         }
@@ -76,7 +72,6 @@ impl BenchThermometers {
                     counts.store(code as i32, Ordering::Relaxed);
                 }
             }
-            (b'D', _) => self.flash.damage(code),
             (b'S', _) => loop {
                 cortex_m::asm::nop();
             },

@@ -11,7 +11,7 @@ const SECTOR: usize = 4096;
 const WORD: usize = 8;
 const ERASED: u32 = u32::MAX;
 
-/// The flash. Its cells are atomic for the sake of what else may reach them, such as a test bench;
+/// The flash. Its cells are atomic since others may reach them, such as the host of an emulator;
 /// accesses are single loads and stores.
 #[derive(Clone, Copy, Debug)]
 pub struct Nor<'a>(pub &'a [AtomicU32]);
@@ -21,13 +21,6 @@ impl Nor<'_> {
     fn cells(&self, offset: u32, len: usize) -> &[AtomicU32] {
         let start = offset as usize / 4;
         self.0.get(start..start + len / 4).unwrap_or_default()
-    }
-
-    /// Turns one bit over, as radiation or age does.
-    pub fn damage(&self, bit: u32) {
-        if let Some(cell) = self.0.get(bit as usize / 32) {
-            cell.fetch_xor(1 << (bit % 32), Ordering::Relaxed);
-        }
     }
 }
 
