@@ -85,7 +85,8 @@ impl<const N: usize> Strip<N> {
     }
 
     const fn place<F: NorFlash>(self, index: u32) -> u32 {
-        self.start + index * Self::stride::<F>()
+        let offset = index.saturating_mul(Self::stride::<F>());
+        self.start.saturating_add(offset)
     }
 }
 

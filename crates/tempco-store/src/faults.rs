@@ -135,7 +135,7 @@ impl<const CODES: usize> FaultLog<CODES> {
             }
             return Ok(());
         }
-        let faults = self.faults.iter().enumerate();
+        let faults = (0..CODES).zip(&self.faults);
         let occurred = faults.filter(|(_, fault)| fault.count > 0);
         let latest = occurred.map(|(code, fault)| words(code, fault));
         self.journal.turn(flash, latest)?;

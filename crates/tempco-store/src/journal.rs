@@ -51,7 +51,7 @@ impl<const N: usize> Journal<N> {
             turns: 0,
         };
         let halves = (region.len / F::ERASE_SIZE as u32).is_multiple_of(2);
-        if !halves || (journal.strip::<F>(Half::First).count as usize) < 2 * keys + 1 {
+        if !halves || (journal.strip::<F>(Half::First).count as usize) <= keys.saturating_mul(2) {
             return Err(StoreError::Region);
         }
         let marks = [Half::First, Half::Second].map(|half| (journal.mark(flash, half), half));
@@ -115,9 +115,8 @@ impl<const N: usize> Journal<N> {
             _ => Half::First,
         };
         let strip = self.strip::<F>(half);
-        flash
-            .erase(strip.start, strip.start + self.region.len / 2)
-            .map_err(StoreError::flash)?;
+        let end = strip.start.saturating_add(self.region.len / 2);
+        flash.erase(strip.start, end).map_err(StoreError::flash)?;
         let turns = self.turns.saturating_add(1);
         let mut mark = [0; N];
         for (place, word) in mark.iter_mut().zip([self.magic, MARK, turns]) {
@@ -134,12 +133,12 @@ impl<const N: usize> Journal<N> {
 
     fn strip<F: NorFlash>(&self, half: Half) -> Strip<N> {
         let len = self.region.len / 2;
-        let start = match half {
-            Half::First => self.region.start,
-            Half::Second => self.region.start + len,
+        let offset = match half {
+            Half::First => 0,
+            Half::Second => len,
         };
         Strip {
-            start,
+            start: self.region.at(offset),
             count: len / Strip::<N>::stride::<F>(),
         }
     }

@@ -303,13 +303,13 @@ impl Store {
 
     fn strip<F: NorFlash>(&self, slot: Slot) -> Strip<WORDS> {
         Strip {
-            start: self.region(slot).start + self.room::<F>(slot),
+            start: self.region(slot).at(self.room::<F>(slot)),
             count: ENTRIES,
         }
     }
 
     /// The longest image of a slot \[bytes\].
     pub fn room<F: NorFlash>(&self, slot: Slot) -> u32 {
-        self.region(slot).len - entries_len::<F>()
+        self.region(slot).len.saturating_sub(entries_len::<F>())
     }
 }
