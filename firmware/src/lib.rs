@@ -31,6 +31,10 @@ pub mod measure;
 pub mod table;
 #[cfg(all(target_os = "none", not(feature = "link-guard")))]
 pub mod target;
+pub mod unit {
+    //! The application.
+    pub mod devices;
+}
 
 #[cfg(not(target_os = "none"))]
 extern crate std;

@@ -1,0 +1,79 @@
+//! Sets everything up.
+
+use cortex_m::peripheral::{SCB, scb::SystemHandler};
+use stm32f4xx_hal::pac;
+use stm32f4xx_hal::prelude::*;
+
+use super::clocks::{self, Source};
+use super::flash::{REGIONS, Sectors};
+use super::gyro::{self, Counters};
+use super::link::Usart;
+use super::output::Output;
+use super::reset;
+use super::sensors::Sensors;
+use super::watchdog::{Feeder, IndependentWatchdog};
+use crate::unit::devices::Devices;
+
+/// Of 16 levels of priority, the one below the highest.
+const SAMPLING: u8 = 1 << 4;
+
+/// What the board has.
+pub struct Stm32f405 {
+    /// What the main loop works with.
+    pub devices: Devices<Usart, Sectors, Sensors, IndependentWatchdog>,
+    /// What the sampling interrupt works with.
+    pub gyro: Counters,
+    /// Where the clock comes from.
+    pub clock: Source,
+}
+
+/// Sets the board up; once, then `None`. The sampling interrupt is SysTick, and gets a priority
+/// below that of the link.
+pub fn take(scb: &mut SCB) -> Option<Stm32f405> {
+    let chip = pac::Peripherals::take()?;
+    let reset_cause = reset::cause(chip.RCC.csr().read().bits());
+    chip.RCC.csr().modify(|_, w| w.rmvf().clear());
+    let (mut rcc, clock) = clocks::start(chip.RCC);
+    let rcc = &mut rcc;
+
+    let a = chip.GPIOA.split(rcc);
+    let b = chip.GPIOB.split(rcc);
+    let c = chip.GPIOC.split(rcc);
+
+    // SAFETY: no critical section depends on priorities.
+    #[allow(unsafe_code)]
+    unsafe {
+        scb.set_priority(SystemHandler::SysTick, SAMPLING);
+    }
+
+    let feeder = Feeder::new(chip.IWDG, &chip.DBGMCU)?;
+    let selects = [
+        a.pa4.into_push_pull_output().erase(),
+        c.pc4.into_push_pull_output().erase(),
+        c.pc5.into_push_pull_output().erase(),
+    ];
+    let output = Output::new(chip.USART6, c.pc6, chip.DMA2, rcc)?;
+    let gyro = gyro::Parts {
+        x: (
+            chip.TIM2,
+            a.pa15.into_floating_input(),
+            b.pb3.into_floating_input(),
+        ),
+        y: (chip.TIM5, a.pa0, a.pa1),
+        z: (chip.TIM4, b.pb6, b.pb7),
+        data_ready: c.pc8,
+        output,
+    };
+    Some(Stm32f405 {
+        gyro: Counters::new(gyro, rcc),
+        clock,
+        devices: Devices {
+            link: Usart::new(chip.USART1, a.pa9, a.pa10, rcc)?,
+            flash: Sectors::new(chip.FLASH, feeder),
+            regions: REGIONS,
+            thermometers: Sensors::new(chip.SPI1, (a.pa5, a.pa6, a.pa7), selects, rcc)?,
+            watchdog: IndependentWatchdog::new(feeder),
+            reset_cause,
+        },
+    })
+}
