@@ -21,7 +21,9 @@ mod image {
     use embedded_io::{Read as _, Write as _};
     use embedded_storage::nor_flash::ReadNorFlash;
     use tempco_firmware::board::BOARD;
-    use tempco_firmware::board::stm32f405::{self, AXES, Counters, SENSORS, Stm32f405, Usart};
+    use tempco_firmware::board::stm32f405::{
+        self, AXES, Counters, REGIONS, SENSORS, Stm32f405, Usart,
+    };
     use tempco_firmware::target::{banner, exit};
     use tempco_firmware::unit::devices::{Gyro, Thermometers, Watchdog};
     use tempco_replay::{ChannelOutcome, Outcome};
@@ -43,23 +45,18 @@ mod image {
         };
         let Some(Stm32f405 {
             mut devices,
+            mut flash,
             gyro,
             clock,
-        }) = stm32f405::take(&mut core.SCB)
+        }) = stm32f405::set_up(&mut core)
         else {
             exit(false)
         };
-        let cause = defmt::Debug2Format(&devices.reset_cause);
-        defmt::info!("clock {}, reset by {}", clock, cause);
-        let regions = devices.regions;
-        for region in [
-            regions.slots[0],
-            regions.slots[1],
-            regions.faults,
-            regions.offsets,
-        ] {
+        defmt::info!("clock {}, reset by {}", clock, devices.reset_cause);
+        let [a, b] = REGIONS.slots;
+        for region in [a, b, REGIONS.faults, REGIONS.offsets] {
             let mut first = [0; 4];
-            let read = devices.flash.read(region.start, &mut first);
+            let read = flash.read(region.start, &mut first);
             let (read, first) = (read.is_ok(), u32::from_le_bytes(first));
             defmt::info!("flash {}: {=bool} {=u32:08x}", region, read, first);
         }

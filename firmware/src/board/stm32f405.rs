@@ -60,11 +60,11 @@ mod watchdog;
 #[cfg(all(target_os = "none", feature = "board-stm32f405"))]
 pub use {
     clocks::Source,
-    flash::Sectors,
+    flash::{REGIONS, Sectors},
     gyro::Counters,
     link::{Errors, Usart},
     sensors::Sensors,
-    take::{Stm32f405, take},
+    take::{BoardFlash, BoardGyro, Stm32f405, set_up, take},
     watchdog::IndependentWatchdog,
 };
 

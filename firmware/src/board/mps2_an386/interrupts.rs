@@ -15,8 +15,8 @@ const LINES: usize = 32;
 pub enum Interrupt {
     /// UART 0 has received a byte.
     UARTRX0 = 0,
-    /// UART 0 has room for a byte.
-    UARTTX0 = 1,
+    /// UART 1 has received a byte.
+    UARTRX1 = 2,
 }
 
 // The name under which `#[interrupt]` looks for the number.
@@ -35,7 +35,7 @@ unsafe impl InterruptNumber for Interrupt {
 #[allow(unsafe_code)]
 unsafe extern "C" {
     fn UARTRX0();
-    fn UARTTX0();
+    fn UARTRX1();
     fn DefaultHandler();
 }
 
@@ -48,6 +48,6 @@ unsafe extern "C" {
 static __INTERRUPTS: [unsafe extern "C" fn(); LINES] = {
     let mut table = [DefaultHandler as unsafe extern "C" fn(); LINES];
     table[Interrupt::UARTRX0 as usize] = UARTRX0;
-    table[Interrupt::UARTTX0 as usize] = UARTTX0;
+    table[Interrupt::UARTRX1 as usize] = UARTRX1;
     table
 };

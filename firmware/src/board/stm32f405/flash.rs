@@ -29,7 +29,7 @@ const FLASH_LEN: usize = 1024 * 1024;
 
 /// A slot is one sector. The fault log and the offsets are two each, as one half of each is erased
 /// while the other is whole.
-pub(super) const REGIONS: Regions = Regions {
+pub const REGIONS: Regions = Regions {
     slots: [region(0, 1), region(1, 1)],
     faults: region(2, 2),
     offsets: region(4, 2),
