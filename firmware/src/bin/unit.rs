@@ -54,7 +54,7 @@ mod image {
 
     fn run() -> Option<Reason> {
         let mut core = Peripherals::take()?;
-        let (mut devices, flash, gyro) = chosen::take(&mut core.NVIC)?;
+        let (mut devices, flash, gyro) = chosen::take(&mut core)?;
         let last = reset::last();
         let crash = match last {
             Some(Reason::Crash(place)) => Some(place),

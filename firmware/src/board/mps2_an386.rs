@@ -7,15 +7,31 @@
 //! sensors nor a gyro. A stretch of RAM stands in for the flash, with its rules ([`nor`]), and a
 //! test bench on UART1 for the others (`bench`).
 
-#[cfg(all(target_os = "none", feature = "application"))]
+#[cfg(all(
+    target_os = "none",
+    feature = "board-mps2-an386",
+    feature = "application"
+))]
 mod application;
-#[cfg(all(target_os = "none", feature = "application"))]
+#[cfg(all(
+    target_os = "none",
+    feature = "board-mps2-an386",
+    feature = "application"
+))]
 mod bench;
 pub mod nor;
-#[cfg(all(target_os = "none", feature = "application"))]
+#[cfg(all(
+    target_os = "none",
+    feature = "board-mps2-an386",
+    feature = "application"
+))]
 mod uart;
 
-#[cfg(all(target_os = "none", feature = "application"))]
+#[cfg(all(
+    target_os = "none",
+    feature = "board-mps2-an386",
+    feature = "application"
+))]
 pub use application::*;
 
 #[cfg(all(target_os = "none", feature = "board-mps2-an386"))]

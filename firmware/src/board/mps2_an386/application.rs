@@ -39,7 +39,7 @@ pub const REGIONS: Regions = Regions {
 
 /// Sets the board up. Once.
 pub fn take(
-    nvic: &mut cortex_m::peripheral::NVIC,
+    core: &mut cortex_m::Peripherals,
 ) -> Option<(
     Devices<Uart, BenchThermometers, BoardWatchdog>,
     BoardFlash,
@@ -57,7 +57,7 @@ pub fn take(
         // SAFETY: the handlers have what they need, and nothing relies on their being masked.
         #[allow(unsafe_code)]
         unsafe {
-            nvic.set_priority(interrupt, RECEIVE_PRIORITY);
+            core.NVIC.set_priority(interrupt, RECEIVE_PRIORITY);
             cortex_m::peripheral::NVIC::unmask(interrupt);
         }
     }
