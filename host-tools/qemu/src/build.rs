@@ -42,6 +42,13 @@ impl Variant {
         features: &[],
         config: &[],
     };
+
+    /// The release profile with all that the image `unit` needs, and its logs.
+    pub const UNIT: Self = Self {
+        name: "",
+        features: &["application", "log"],
+        config: &[],
+    };
 }
 
 /// Builds the firmware's binary `bin` for a board and returns the image's path.
