@@ -9,9 +9,10 @@ pub static CRC: crc::Crc<u32> = crc::Crc::<u32>::new(&crc::CRC_32_AUTOSAR);
 /// Bytes that a CRC vouches for: the most for which it finds all errors of up to 5 bits.
 pub const BLOCK_LEN: usize = 4092;
 
-/// Bytes of an image with contents (all but the CRCs) of `contents_len` bytes.
+/// Bytes of an image with contents (all but the CRCs) of `contents_len` bytes. Saturating, as all
+/// lengths are reckoned: no bytes are as many.
 pub const fn total_len(contents_len: usize) -> usize {
-    contents_len + 4 * contents_len.div_ceil(BLOCK_LEN)
+    contents_len.saturating_add(4 * contents_len.div_ceil(BLOCK_LEN))
 }
 
 /// Bytes of the contents of an image of `total_len` bytes, unless no image is that long.

@@ -56,7 +56,11 @@ impl ChannelHistory {
 
     /// Number of plays and of slow parts.
     pub fn counts(&self) -> (usize, usize) {
-        (self.plays().count(), self.slow_parts().count())
+        let count = |count: usize| count.saturating_add(1);
+        (
+            self.plays().fold(0, |plays, _| count(plays)),
+            self.slow_parts().fold(0, |parts, _| count(parts)),
+        )
     }
 
     /// The terms of so many axes as numbers, in the order of the image.

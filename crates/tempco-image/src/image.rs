@@ -127,10 +127,11 @@ impl<'a> Image<'a> {
             return Err(CELLS);
         }
         let (axes, plays, slow_parts) = (self.axes, self.plays, self.slow_parts);
-        let begin = self.channel_len + history_len(axes, plays, slow_parts);
+        let begin = history_len(axes, plays, slow_parts).saturating_add(self.channel_len);
         let history = rest.get(self.channel_len..begin).ok_or(CELLS)?;
         let history = <[F32<LittleEndian>]>::ref_from_bytes(history).map_err(|_| CELLS)?;
-        let end = begin + count * self.axes * TERMS_LEN;
+        let cells_len = count.saturating_mul(axes).saturating_mul(TERMS_LEN);
+        let end = begin.saturating_add(cells_len);
         let cells = rest.get(begin..end).ok_or(CELLS)?;
         let cells = <[Terms]>::ref_from_bytes(cells).map_err(|_| ImageError::Alignment)?;
         let channel = Channel {
@@ -143,7 +144,7 @@ impl<'a> Image<'a> {
             cells,
             history: ChannelHistory::from_numbers(history, axes, plays, slow_parts),
         };
-        Ok((channel, at + end))
+        Ok((channel, at.saturating_add(end)))
     }
 
     fn units(&self, codes: &[u8]) -> Result<[Option<Unit>; MAX_AXES], ImageError> {

@@ -80,7 +80,9 @@ const _: () = {
 /// Bytes of the history terms of a channel: plays of half width and gains, then slow parts of time
 /// constant, limit and gains.
 pub(crate) const fn history_len(axes: usize, plays: usize, slow_parts: usize) -> usize {
-    plays * 4 * (1 + axes) + slow_parts * 4 * (2 + axes)
+    let of_plays = axes.saturating_add(1).saturating_mul(plays);
+    let of_parts = axes.saturating_add(2).saturating_mul(slow_parts);
+    of_plays.saturating_add(of_parts).saturating_mul(4)
 }
 
 /// The settings in the order in which the core declares them.

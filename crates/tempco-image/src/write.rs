@@ -6,8 +6,8 @@ use zerocopy::little_endian::{F32, U16, U32};
 
 use crate::check::{seal, total_len};
 use crate::layout::{
-    CHANNEL_LEN, CONTINUOUS, HEADER_CRC_AT, HEADER_LEN, RawChannel, RawHeader, TERMS_LEN,
-    history_len, settings_to_array,
+    CHANNEL_LEN, CONTINUOUS, HEADER_CRC_AT, HEADER_LEN, RawChannel, RawHeader, history_len,
+    settings_to_array,
 };
 use crate::{CRC, Channel, FORMAT, ImageError, Info, MAGIC, MAX_AXES, MODEL, SERIAL_LEN, Unit};
 
@@ -32,12 +32,15 @@ impl Shape {
 
 /// Bytes of the image of some channels.
 pub fn encoded_len(channels: &[Channel]) -> usize {
-    let channel_lens = channels.iter().map(|channel| {
+    let contents_len = channels.iter().fold(HEADER_LEN, |len, channel| {
         let shape = Shape::of(channel);
         let history = history_len(shape.axes, shape.plays, shape.slow_parts);
-        CHANNEL_LEN + history + channel.cells.len() * TERMS_LEN
+        let cells = size_of_val(channel.cells);
+        [CHANNEL_LEN, history, cells]
+            .into_iter()
+            .fold(len, usize::saturating_add)
     });
-    total_len(HEADER_LEN + channel_lens.sum::<usize>())
+    total_len(contents_len)
 }
 
 /// Writes an image to the start of `out` and returns its length.

@@ -63,7 +63,7 @@ impl Decoder {
                 match self.plain.get_mut(self.len) {
                     Some(place) => {
                         *place = byte;
-                        self.len += 1;
+                        self.len = self.len.saturating_add(1);
                     }
                     None => self.is_long = true,
                 }

@@ -65,16 +65,14 @@ impl Store {
             Ok(false) => Checked::Passed(slot),
             Err(error) => Checked::Bad(slot, error),
             Ok(true) => {
-                match (0..slices).try_fold(false, |end, _| {
-                    if end {
-                        Ok(true)
-                    } else {
-                        self.check_slice(flash)
-                    }
+                // Ends with the slot, however many slices are asked for.
+                match (0..slices).find_map(|_| match self.check_slice(flash) {
+                    Ok(false) => None,
+                    Ok(true) => Some(Checked::Good(slot)),
+                    Err(error) => Some(Checked::Bad(slot, error)),
                 }) {
-                    Ok(false) => return Checked::Underway(slot),
-                    Ok(true) => Checked::Good(slot),
-                    Err(error) => Checked::Bad(slot, error),
+                    Some(outcome) => outcome,
+                    None => return Checked::Underway(slot),
                 }
             }
         };
@@ -100,25 +98,27 @@ impl Store {
 
     /// Checks the next bytes of a block, or its CRC; `true` at the end of the image.
     fn check_slice<F: NorFlash>(&mut self, flash: &mut F) -> Result<bool, StoreError> {
-        let start = self.region(self.checker.slot).start;
+        let region = self.region(self.checker.slot);
         let checker = &mut self.checker;
         let contents = contents_len(checker.len as usize).ok_or(StoreError::Length)? as u32;
         let block = checker.offset / BLOCK_LEN as u32;
-        let end = contents.min((block + 1) * BLOCK_LEN as u32);
-        let len = (end - checker.offset).min(SLICE as u32);
+        let end = block.saturating_add(1).saturating_mul(BLOCK_LEN as u32);
+        let end = end.min(contents);
+        let len = end.saturating_sub(checker.offset).min(SLICE as u32);
         let mut bytes = [0; SLICE];
         let bytes = bytes.get_mut(..len as usize).ok_or(StoreError::Length)?;
         flash
-            .read(start + checker.offset, bytes)
+            .read(region.at(checker.offset), bytes)
             .map_err(StoreError::flash)?;
         checker.digest.update(bytes);
-        checker.offset += len;
+        checker.offset = checker.offset.saturating_add(len);
         if checker.offset < end {
             return Ok(false);
         }
         let mut expected = [0; 4];
+        let crc_at = contents.saturating_add(block.saturating_mul(4));
         flash
-            .read(start + contents + 4 * block, &mut expected)
+            .read(region.at(crc_at), &mut expected)
             .map_err(StoreError::flash)?;
         let found = core::mem::replace(&mut checker.digest, CRC.digest()).finalize();
         if found != u32::from_le_bytes(expected) {

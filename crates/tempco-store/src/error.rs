@@ -37,6 +37,8 @@ pub enum StoreError {
     Full,
     /// No such fault code.
     Code,
+    /// An offset is not finite.
+    NotFinite,
 }
 
 impl StoreError {
@@ -60,6 +62,7 @@ impl fmt::Display for StoreError {
             Self::Empty => "the slot is empty",
             Self::Full => "no room for another entry",
             Self::Code => "no such fault code",
+            Self::NotFinite => "an offset is not finite",
         })
     }
 }

@@ -1,19 +1,14 @@
 //! The fault log: for each fault how often and when it last occurred, kept over resets.
 //!
-//! Entries are appended to one half of a region. When it is full, the other half is erased and
-//! gets one entry per fault and then a mark that it is complete; only a half with its mark counts,
-//! and of two the later one. So a power cut at any operation loses the entry that was being
+//! A journal with the code as the key. A power cut at any operation loses the entry that was being
 //! written, and nothing older.
 
 use embedded_storage::nor_flash::NorFlash;
 
-use crate::entry::{Strip, Words, stride};
+use crate::journal::Journal;
 use crate::{Region, StoreError};
 
-const MAGIC: u32 = u32::from_le_bytes(*b"TCF1");
-
-/// In place of a code: the half is complete.
-const MARK: u32 = u32::MAX;
+const MAGIC: u32 = u32::from_le_bytes(*b"TCF2");
 
 /// What is known of one fault.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -33,21 +28,13 @@ pub struct Fault {
 
 /// A log of faults with codes from 0 to below `CODES`.
 pub struct FaultLog<const CODES: usize> {
-    region: Region,
-    /// The half in use and its first free place; none before the first entry ever.
-    current: Option<(Half, u32)>,
+    journal: Journal<7>,
     faults: [Fault; CODES],
     /// Occurrences since boot, which decide what is written.
     since_boot: [u32; CODES],
     written: [u32; CODES],
     sequence: u32,
     boot: u32,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Half {
-    First,
-    Second,
 }
 
 impl<const CODES: usize> FaultLog<CODES> {
@@ -57,49 +44,19 @@ impl<const CODES: usize> FaultLog<CODES> {
     /// A region that is not made of two equal halves of whole sectors with room for two entries
     /// per code.
     pub fn open<F: NorFlash>(flash: &mut F, region: Region) -> Result<Self, StoreError> {
-        region.check(flash)?;
         let mut log = Self {
-            region,
-            current: None,
+            journal: Journal::open(flash, region, MAGIC, CODES)?,
             faults: [Fault::default(); CODES],
             since_boot: [0; CODES],
             written: [0; CODES],
             sequence: 0,
             boot: 1,
         };
-        let halves = (region.len / F::ERASE_SIZE as u32).is_multiple_of(2);
-        if !halves || (log.strip::<F>(Half::First).count as usize) < 2 * CODES + 1 {
-            return Err(StoreError::Region);
-        }
-        let marks = [Half::First, Half::Second].map(|half| (log.mark(flash, half), half));
-        let [first, second] = marks;
-        let latest = if second.0 > first.0 { second } else { first };
-        if let (Some(_), half) = latest {
-            log.read(flash, half);
-        }
-        log.written = log.faults.map(|fault| fault.count);
-        Ok(log)
-    }
-
-    /// Sequence number of the mark of a half.
-    fn mark<F: NorFlash>(&self, flash: &mut F, half: Half) -> Option<u32> {
-        let mut entries = self.strip::<F>(half).entries(flash);
-        entries.find_map(|words| match words {
-            [MAGIC, sequence, MARK, ..] => Some(sequence),
-            _ => None,
-        })
-    }
-
-    /// Takes over what a half says, which is all that counts.
-    fn read<F: NorFlash>(&mut self, flash: &mut F, half: Half) {
-        let strip = self.strip::<F>(half);
-        for words in strip.entries(flash) {
-            let [MAGIC, sequence, code, count, boot, uptime_s, detail] = words else {
-                continue;
-            };
-            self.sequence = self.sequence.max(sequence);
-            self.boot = self.boot.max(boot.saturating_add(1));
-            if let Some(fault) = self.faults.get_mut(code as usize) {
+        for words in log.journal.entries(flash) {
+            let [_, code, sequence, count, boot, uptime_s, detail] = words;
+            log.sequence = log.sequence.max(sequence);
+            log.boot = log.boot.max(boot.saturating_add(1));
+            if let Some(fault) = log.faults.get_mut(code as usize) {
                 *fault = Fault {
                     count,
                     boot,
@@ -109,7 +66,8 @@ impl<const CODES: usize> FaultLog<CODES> {
                 };
             }
         }
-        self.current = Some((half, strip.free(flash)));
+        log.written = log.faults.map(|fault| fault.count);
+        Ok(log)
     }
 
     /// Notes an occurrence, `uptime_s` after boot.
@@ -170,66 +128,27 @@ impl<const CODES: usize> FaultLog<CODES> {
     }
 
     fn write<F: NorFlash>(&mut self, flash: &mut F, code: usize) -> Result<(), StoreError> {
-        let fault = *self.faults.get(code).ok_or(StoreError::Code)?;
-        let appended = self.current.and_then(|(half, free)| {
-            let words = words(code as u32, &fault);
-            let next = self.strip::<F>(half).append(flash, free, &words).ok()?;
-            Some((half, next))
-        });
-        match appended {
-            Some(current) => {
-                self.current = Some(current);
-                if let Some(written) = self.written.get_mut(code) {
-                    *written = fault.count;
-                }
-                Ok(())
+        let fault = self.faults.get(code).ok_or(StoreError::Code)?;
+        if self.journal.append(flash, &words(code, fault)).is_ok() {
+            if let Some(written) = self.written.get_mut(code) {
+                *written = fault.count;
             }
-            None => self.turn(flash),
+            return Ok(());
         }
-    }
-
-    /// Goes on in the other half, with one entry per fault.
-    fn turn<F: NorFlash>(&mut self, flash: &mut F) -> Result<(), StoreError> {
-        let half = match self.current {
-            Some((Half::First, _)) => Half::Second,
-            _ => Half::First,
-        };
-        let strip = self.strip::<F>(half);
-        flash
-            .erase(strip.start, strip.start + self.region.len / 2)
-            .map_err(StoreError::flash)?;
-        let mut free = 0;
-        for (code, fault) in self.faults.iter().enumerate() {
-            if fault.count > 0 {
-                free = strip.append(flash, free, &words(code as u32, fault))?;
-            }
-        }
-        self.sequence = self.sequence.saturating_add(1);
-        let mark = [MAGIC, self.sequence, MARK, 0, self.boot, 0, 0];
-        free = strip.append(flash, free, &mark)?;
-        self.current = Some((half, free));
+        let faults = (0..CODES).zip(&self.faults);
+        let occurred = faults.filter(|(_, fault)| fault.count > 0);
+        let latest = occurred.map(|(code, fault)| words(code, fault));
+        self.journal.turn(flash, latest)?;
         self.written = self.faults.map(|fault| fault.count);
         Ok(())
     }
-
-    fn strip<F: NorFlash>(&self, half: Half) -> Strip {
-        let len = self.region.len / 2;
-        let start = match half {
-            Half::First => self.region.start,
-            Half::Second => self.region.start + len,
-        };
-        Strip {
-            start,
-            count: len / stride::<F>(),
-        }
-    }
 }
 
-const fn words(code: u32, fault: &Fault) -> Words {
+const fn words(code: usize, fault: &Fault) -> [u32; 7] {
     [
         MAGIC,
+        code as u32,
         fault.sequence,
-        code,
         fault.count,
         fault.boot,
         fault.uptime_s,

@@ -1,4 +1,5 @@
-//! Keeps a unit's coefficient table in NOR flash, in two copies, and a log of its faults.
+//! Keeps a unit's coefficient table in NOR flash, in two copies, a log of its faults, and the
+//! constant biases that re-zero found.
 //!
 //! Each of two slots holds a flash image (see `tempco-image`) and behind it a few *entries*, each
 //! of which says that the image was whole, validated and chosen. The entry with the highest
@@ -29,6 +30,18 @@
 //! address that is known and aligned, so that a table can be used in place, and may be larger than
 //! a sector.
 //!
+//! # Faults and offsets
+//! [`FaultLog`] and [`Offsets`] have a region each of two halves, of which one is in use at a time:
+//!
+//! ```text
+//! append: program one entry behind the others
+//! turn, when the half is full: erase the other half -> the latest entry of each key -> a mark
+//! ```
+//!
+//! An entry is a few little-endian u32, padded with 0xff to whole words of the flash: magic, key,
+//! contents, and the CRC-32P4 of what is before. The mark has 0xffffffff for the key and then
+//! the number of the turn. The half with the later mark counts, and in it the latest entry of a key.
+//!
 //! # Boot
 //! [`Store::boot`] tries the slots, the latest first: load, CRCs, the caller's validation. It makes
 //! two attempts and returns in any case; with no good slot, it says why for each, and the unit
@@ -44,6 +57,8 @@ mod check;
 mod entry;
 mod error;
 mod faults;
+mod journal;
+mod offsets;
 mod region;
 mod store;
 mod update;
@@ -52,5 +67,6 @@ pub use check::Checked;
 pub use entry::MAX_WRITE_SIZE;
 pub use error::StoreError;
 pub use faults::{Fault, FaultLog};
+pub use offsets::Offsets;
 pub use region::Region;
 pub use store::{Active, Boot, Slot, SlotState, Store};

@@ -42,7 +42,17 @@ impl Region {
         }
     }
 
+    /// The address of an offset. Saturating, here and wherever addresses are reckoned: what lies
+    /// beyond every flash is refused by this one.
+    pub(crate) const fn at(self, offset: u32) -> u32 {
+        self.start.saturating_add(offset)
+    }
+
+    pub(crate) const fn end(self) -> u32 {
+        self.at(self.len)
+    }
+
     pub(crate) const fn overlaps(self, other: Self) -> bool {
-        self.start < other.start + other.len && other.start < self.start + self.len
+        self.start < other.end() && other.start < self.end()
     }
 }

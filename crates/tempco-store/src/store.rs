@@ -6,7 +6,7 @@ use embedded_storage::nor_flash::NorFlash;
 use tempco_image::{CRC, Image, ImageError};
 
 use crate::check::Checker;
-use crate::entry::{Strip, Words, stride};
+use crate::entry::Strip;
 use crate::update::Update;
 use crate::{Region, StoreError};
 
@@ -14,6 +14,14 @@ use crate::{Region, StoreError};
 const ENTRIES: u32 = 8;
 
 const MAGIC: u32 = u32::from_le_bytes(*b"TCS1");
+
+/// Words of an entry.
+const WORDS: usize = 7;
+
+/// Bytes of the places for entries.
+const fn entries_len<F: NorFlash>() -> u32 {
+    ENTRIES * Strip::<WORDS>::stride::<F>()
+}
 
 /// One of the two copies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,7 +65,7 @@ pub(crate) struct Record {
 }
 
 impl Record {
-    pub(crate) const fn words(self) -> Words {
+    pub(crate) const fn words(self) -> [u32; WORDS] {
         let blank = u32::MAX;
         [
             MAGIC,
@@ -70,7 +78,7 @@ impl Record {
         ]
     }
 
-    fn from_words(words: Words) -> Option<Self> {
+    fn from_words(words: [u32; WORDS]) -> Option<Self> {
         let [magic, sequence, len, crc, ..] = words;
         (magic == MAGIC).then_some(Self { sequence, len, crc })
     }
@@ -131,8 +139,8 @@ impl Store {
     pub fn new<F: NorFlash>(flash: &F, a: Region, b: Region) -> Result<Self, StoreError> {
         a.check(flash)?;
         b.check(flash)?;
-        let least = 2 * ENTRIES * stride::<F>();
-        let entries_fit = ENTRIES * stride::<F>() <= F::ERASE_SIZE as u32;
+        let least = 2 * entries_len::<F>();
+        let entries_fit = entries_len::<F>() <= F::ERASE_SIZE as u32;
         if a.overlaps(b) || a.len < least || b.len < least || !entries_fit {
             return Err(StoreError::Region);
         }
@@ -293,15 +301,15 @@ impl Store {
         slot.of(self.regions)
     }
 
-    fn strip<F: NorFlash>(&self, slot: Slot) -> Strip {
+    fn strip<F: NorFlash>(&self, slot: Slot) -> Strip<WORDS> {
         Strip {
-            start: self.region(slot).start + self.room::<F>(slot),
+            start: self.region(slot).at(self.room::<F>(slot)),
             count: ENTRIES,
         }
     }
 
     /// The longest image of a slot \[bytes\].
     pub fn room<F: NorFlash>(&self, slot: Slot) -> u32 {
-        self.region(slot).len - ENTRIES * stride::<F>()
+        self.region(slot).len.saturating_sub(entries_len::<F>())
     }
 }

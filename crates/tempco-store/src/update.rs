@@ -37,10 +37,9 @@ impl Store {
             return Err(StoreError::Length);
         }
         // The entries go first, so that the slot is never taken for whole with another image.
-        let region = self.region(slot);
-        let end = region.start + region.len;
+        let end = self.region(slot).end();
         flash
-            .erase(end - F::ERASE_SIZE as u32, end)
+            .erase(end.saturating_sub(F::ERASE_SIZE as u32), end)
             .map_err(StoreError::flash)?;
         self.update = Some(Update {
             slot,
@@ -107,26 +106,28 @@ impl Store {
         let region = self.region(update.slot);
         let sector = F::ERASE_SIZE as u32;
         while update.erased < end {
-            let from = region.start + update.erased;
-            if update.erased + sector < region.len {
+            let next = update.erased.saturating_add(sector);
+            if next < region.len {
                 flash
-                    .erase(from, from + sector)
+                    .erase(region.at(update.erased), region.at(next))
                     .map_err(StoreError::flash)?;
             }
-            update.erased += sector;
+            update.erased = next;
         }
         let whole = chunk.len() - chunk.len() % F::WRITE_SIZE;
         let (words, rest) = chunk.split_at_checked(whole).ok_or(StoreError::Length)?;
-        let at = region.start + update.written;
-        flash.write(at, words).map_err(StoreError::flash)?;
+        flash
+            .write(region.at(update.written), words)
+            .map_err(StoreError::flash)?;
         if !rest.is_empty() {
             let mut last = [0xff; MAX_WRITE_SIZE];
             for (place, byte) in last.iter_mut().zip(rest) {
                 *place = *byte;
             }
             let last = last.get(..F::WRITE_SIZE).ok_or(StoreError::Length)?;
+            let at = update.written.saturating_add(whole as u32);
             flash
-                .write(at + whole as u32, last)
+                .write(region.at(at), last)
                 .map_err(StoreError::flash)?;
         }
         update.written = end;
@@ -141,7 +142,7 @@ impl Store {
         offset: u32,
         chunk: &[u8],
     ) -> Result<(), StoreError> {
-        let mut at = self.region(slot).start + offset;
+        let mut at = self.region(slot).at(offset);
         for expected in chunk.chunks(MAX_WRITE_SIZE) {
             let mut found = [0; MAX_WRITE_SIZE];
             let found = found.get_mut(..expected.len()).ok_or(StoreError::Length)?;
@@ -149,7 +150,7 @@ impl Store {
             if found != expected {
                 return Err(StoreError::Different);
             }
-            at += expected.len() as u32;
+            at = at.saturating_add(expected.len() as u32);
         }
         Ok(())
     }

@@ -5,6 +5,8 @@ mod common;
 use std::cell::Cell;
 
 use common::flash::{CUTS, Flash, Memory};
+use embedded_storage::nor_flash::NorFlash;
+use tempco_image::CRC;
 use tempco_store::{FaultLog, Region, StoreError};
 
 const CODES: usize = 3;
@@ -142,4 +144,20 @@ fn garbage_is_no_fault() {
     assert_eq!((counts(&log), log.boot()), ([0; CODES], 1));
     log.record(&mut flash, 1, 0, 0).unwrap();
     assert_eq!(counts(&open(&mut flash)), [0, 1, 0]);
+}
+
+/// As the layout says, and not those of another magic number, right as their CRCs may be.
+#[test]
+fn only_entries_of_its_own_kind_are_faults() {
+    for (magic, expected) in [(b"TCF2", [0, 5, 0]), (b"TCF1", [0; CODES])] {
+        let mut flash = Small::new(4);
+        let magic = u32::from_le_bytes(*magic);
+        let (fault, mark) = ([magic, 1, 9, 5, 1, 0, 0], [magic, u32::MAX, 1, 0, 0, 0, 0]);
+        for (place, words) in (512..).step_by(32).zip([fault, mark]) {
+            let mut bytes = words.map(u32::to_le_bytes).concat();
+            bytes.extend(CRC.checksum(&bytes).to_le_bytes());
+            flash.write(place, &bytes).unwrap();
+        }
+        assert_eq!(counts(&open(&mut flash)), expected);
+    }
 }

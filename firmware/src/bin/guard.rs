@@ -41,7 +41,7 @@ mod image {
         _ = black_box(records());
         #[cfg(feature = "seeded-panic")]
         black_box(TABLES[black_box(0)]);
-        report_and_exit()
+        report_and_exit(true)
     }
 
     /// The core as it flies, through the functions whose costs are published.
