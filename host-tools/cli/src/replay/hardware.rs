@@ -7,7 +7,7 @@ use tempco_hil::replay::{Comparison, by_block, by_row};
 use tempco_hil::{Identity, Patience, Unit, flash_set, open};
 use tempco_image::{MAX_PLAYS, MAX_SLOW_PARTS};
 use tempco_link::{FaultSet, Telemetry};
-use tempco_qemu::{Board, Machine, MachineOptions};
+use tempco_qemu::{Board, Machine, MachineOptions, Variant};
 
 use super::{Differences, Replay, for_shape};
 use crate::output::print;
@@ -50,7 +50,7 @@ pub(super) fn in_qemu(
     board: Board,
     real_time: bool,
 ) -> Result<(Differences, String)> {
-    let elf = put.build(board, "unit")?;
+    let elf = put.build(board, "unit", &Variant::APPLICATION)?;
     let machine = Machine::start(&elf, board, &MachineOptions::default())?;
     let replayed = in_machine(put, &machine, real_time);
     for line in machine.log() {

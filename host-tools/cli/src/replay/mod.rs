@@ -10,7 +10,7 @@ use anyhow::{Error, Result, anyhow, ensure};
 use tempco_fit::apply::{ChannelInputs, inputs};
 use tempco_fit::log::Log;
 use tempco_fit::set::{CoefficientSet, table_bin, table_rs, write_files};
-use tempco_qemu::{Board, Workspace, build, ensure_qemu, ensure_target_of};
+use tempco_qemu::{Board, Variant, Workspace, build_variant, ensure_qemu, ensure_target_of};
 use tempco_replay::Sample;
 
 use crate::Verdict;
@@ -136,13 +136,14 @@ impl Replay<'_> {
     }
 
     /// Builds an image of the firmware for the set.
-    fn build(&self, board: Board, bin: &str) -> Result<PathBuf> {
+    fn build(&self, board: Board, bin: &str, variant: &Variant) -> Result<PathBuf> {
         let workspace = Workspace::find()?;
         ensure_target_of(&workspace, board)?;
         ensure_qemu(&workspace)?;
         let folder = std::env::temp_dir().join(format!("tempco-replay-{}", std::process::id()));
         write_files(&folder, &[("table.rs", table_rs(self.set).as_bytes())])?;
-        let image = build(&workspace, board, bin, Some(&folder.join("table.rs")));
+        let table = folder.join("table.rs");
+        let image = build_variant(&workspace, board, bin, Some(&table), variant);
         let _ = std::fs::remove_dir_all(&folder);
         Ok(image?)
     }

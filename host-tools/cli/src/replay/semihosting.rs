@@ -3,7 +3,7 @@
 use anyhow::{Result, anyhow, ensure};
 use tempco::Table;
 use tempco_fit::set::{TableData, TableUse, use_tables};
-use tempco_qemu::{Board, replay};
+use tempco_qemu::{Board, Variant, replay};
 use tempco_replay::{Header, Outcome, Record};
 
 use super::{Differences, Replay, for_shape};
@@ -12,7 +12,7 @@ use crate::output::print;
 /// Builds the image with the set's table, runs it over the log, shows its log.
 pub(super) fn in_qemu(put: &Replay, board: Board) -> Result<Differences> {
     let streams = for_shape!(put.shape(), streams(put))?;
-    let image = put.build(board, "replay")?;
+    let image = put.build(board, "replay", &Variant::USUAL)?;
     let (outcomes, run) = replay(&image, board, &streams.samples)?;
     for line in &run.log {
         print(format_args!("{board}: {line}"))?;
