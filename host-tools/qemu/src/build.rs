@@ -43,9 +43,9 @@ impl Variant {
         config: &[],
     };
 
-    /// The release profile with all that the image `unit` needs, and its logs.
-    pub const UNIT: Self = Self {
-        name: "",
+    /// The application, image `unit`, with its logs.
+    pub const APPLICATION: Self = Self {
+        name: "application",
         features: &["application", "log"],
         config: &[],
     };
