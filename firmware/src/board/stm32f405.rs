@@ -7,7 +7,7 @@
 //!
 //! - `clocks`: 168 MHz from the crystal, from the internal oscillator where that does not start
 //! - `link`: USART1 with a receive interrupt
-//! - `flash`: six sectors for tables and logs
+//! - `flash`, [`store`]: six sectors for tables and logs
 //! - `gyro`: counters and the data-ready pin
 //! - `output`, [`frame`]: every sample to USART6 by DMA
 //! - `sensors`: platinum resistors on SPI1
@@ -39,6 +39,7 @@
 
 pub mod frame;
 pub mod reset;
+pub mod store;
 
 #[cfg(all(target_os = "none", feature = "board-stm32f405"))]
 mod clocks;
@@ -60,13 +61,15 @@ mod watchdog;
 #[cfg(all(target_os = "none", feature = "board-stm32f405"))]
 pub use {
     clocks::Source,
-    flash::{REGIONS, Sectors},
+    flash::Sectors,
     gyro::Counters,
     link::{Errors, Usart},
     sensors::Sensors,
     take::{BoardFlash, BoardGyro, Stm32f405, set_up, take},
     watchdog::IndependentWatchdog,
 };
+
+pub use store::REGIONS;
 
 use super::Board;
 

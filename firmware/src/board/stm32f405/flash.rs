@@ -15,32 +15,15 @@ use embedded_storage::nor_flash::{
 };
 use stm32f4xx_hal::flash::{FlashExt as _, flash_sectors};
 use stm32f4xx_hal::pac::FLASH;
-use tempco_store::Region;
 
+use super::store::{SECTOR, SECTORS};
 use super::watchdog::Feeder;
-use crate::unit::devices::Regions;
 
-const SECTOR: u32 = 128 * 1024;
-const LEN: usize = 6 * SECTOR as usize;
+const LEN: usize = SECTORS * SECTOR as usize;
 
 /// Where the flash begins, and its size, which the HAL would read from the chip.
 const FLASH_START: usize = 0x0800_0000;
 const FLASH_LEN: usize = 1024 * 1024;
-
-/// A slot is one sector. The fault log and the offsets are two each, as one half of each is erased
-/// while the other is whole.
-pub const REGIONS: Regions = Regions {
-    slots: [region(0, 1), region(1, 1)],
-    faults: region(2, 2),
-    offsets: region(4, 2),
-};
-
-const fn region(first: u32, sectors: u32) -> Region {
-    Region {
-        start: first * SECTOR,
-        len: sectors * SECTOR,
-    }
-}
 
 // SAFETY: the memory file puts this symbol at the start of the store, which is of this length (it
 // asserts both), and the linker puts nothing else there. Bytes in flash are always initialised;
