@@ -198,8 +198,14 @@ pub fn image() -> PathBuf {
         let workspace = Workspace::find().expect("the sources");
         ensure_target(&workspace).expect("the target");
         ensure_qemu(&workspace).expect("the emulator");
-        build_variant(&workspace, Board::Mps2An386, "unit", None, &Variant::APPLICATION)
-            .expect("the image")
+        build_variant(
+            &workspace,
+            Board::Mps2An386,
+            "unit",
+            None,
+            &Variant::APPLICATION,
+        )
+        .expect("the image")
     });
     built.clone()
 }
