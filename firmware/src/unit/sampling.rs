@@ -56,6 +56,7 @@ impl<'t, G: Gyro<C, A>, const C: usize, const A: usize> Sampling<'t, G, C, A> {
     /// Carries out an interrupt: the gyro's sample if the timer `is_due`, and one that is replayed
     /// if there is one.
     pub fn interrupt(&mut self, is_due: bool, clock: &impl SampleClock) {
+        let begun = clock.since_interrupt();
         if is_due {
             let counts = self.gyro.counts();
             let moment = self.measure(counts);
@@ -66,7 +67,8 @@ impl<'t, G: Gyro<C, A>, const C: usize, const A: usize> Sampling<'t, G, C, A> {
             self.count(is_lost);
         }
         self.replay();
-        self.count(clock.is_pending());
+        // The next period has begun: its sample comes late, or not at all.
+        self.count(is_due && clock.since_interrupt() < begun);
     }
 
     fn measure(&mut self, counts: [[i32; A]; C]) -> Moment<C, A> {
