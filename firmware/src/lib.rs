@@ -10,7 +10,8 @@
 //! - [`kernels`]: the functions whose instructions the `bench` image counts
 //! - `measure`: counts instructions in QEMU; only on a target
 //! - `target`: semihosting, panics and faults; only on a target
-//! - `guard`: in place of `target` with the feature `link-guard`, a panic that does not link
+//! - `guard`: in place of `target` with the feature `link-guard`, a panic that does not link, and
+//!   calls of what must link with it
 //!
 //! The images are in `src/bin`. On the host they compile to programs that say so.
 #![no_std]
