@@ -3,6 +3,9 @@
 //! All link arguments are here and nowhere else: a `.cargo/config.toml` depends on the folder
 //! cargo is started in, and `RUSTFLAGS` replaces what it says. Either way the result would be an
 //! image that links and does not boot.
+//!
+//! The memory of a board is in `boards/<board>.x`. A board whose interrupts have names, and no
+//! peripheral access crate that names them, has `boards/<board>.device.x` too.
 
 use std::path::{Path, PathBuf};
 use std::{env, fs};
@@ -37,7 +40,7 @@ fn table(package: &Path) {
 }
 
 /// Copies the chosen board's memory file to where the `INCLUDE` of the workspace's `memory.x`
-/// finds it.
+/// finds it, and the names of its interrupts to where `link.x` does.
 fn memory(package: &Path) {
     let boards: Vec<String> = env::vars()
         .filter_map(|(name, _)| name.strip_prefix("CARGO_FEATURE_BOARD_").map(board_name))
@@ -45,13 +48,19 @@ fn memory(package: &Path) {
     let [board] = boards.as_slice() else {
         panic!("exactly one board-* feature must be chosen for an image, not {boards:?}");
     };
-    let memory = package.join("boards").join(board).with_extension("x");
     let out = PathBuf::from(variable("OUT_DIR"));
-    fs::copy(&memory, out.join("tempco-board.x"))
-        .unwrap_or_else(|error| panic!("{}: {error}", memory.display()));
+    let boards = package.join("boards");
+    copy(
+        &boards.join(format!("{board}.x")),
+        &out.join("tempco-board.x"),
+    );
+    let device = boards.join(format!("{board}.device.x"));
+    if device.is_file() {
+        copy(&device, &out.join("device.x"));
+    }
 
     let workspace = package.join("..");
-    println!("cargo:rerun-if-changed={}", memory.display());
+    println!("cargo:rerun-if-changed={}", boards.display());
     println!(
         "cargo:rerun-if-changed={}",
         workspace.join("memory.x").display()
@@ -59,6 +68,10 @@ fn memory(package: &Path) {
     println!("cargo:rustc-link-search={}", out.display());
     // For a linker that is not started in the workspace's root.
     println!("cargo:rustc-link-search={}", workspace.display());
+}
+
+fn copy(from: &Path, to: &Path) {
+    fs::copy(from, to).unwrap_or_else(|error| panic!("{}: {error}", from.display()));
 }
 
 /// Cargo passes the feature `board-mps2-an386` as `CARGO_FEATURE_BOARD_MPS2_AN386`.

@@ -19,6 +19,11 @@ pub struct Board {
     pub systick_hz: u32,
 }
 
+#[cfg(all(feature = "board-mps2-an386", feature = "application"))]
+pub use mps2_an386 as chosen;
+#[cfg(all(feature = "board-stm32f405", feature = "application"))]
+pub use stm32f405 as chosen;
+
 /// The board this image is for.
 pub const BOARD: Board = if cfg!(feature = "board-stm32f405") {
     stm32f405::BOARD

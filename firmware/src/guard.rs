@@ -16,20 +16,18 @@ pub use store::stores;
 
 use core::panic::PanicInfo;
 
-use cortex_m_rt::STACK_PAINT_VALUE;
 use semihosting::sys::arm_compat::sys_writec;
+
+use crate::stack;
 
 // Linked for what it defines: the critical section.
 use cortex_m as _;
 
 // SAFETY: nothing is ever called through this: an image with a call of the function does not link.
-// The two others are symbols of cortex-m-rt's linker script, of which only the address is used.
 #[allow(unsafe_code)]
 unsafe extern "C" {
     /// Defined nowhere, on purpose.
     safe fn tempco_link_guard_this_image_could_panic() -> !;
-    static _stack_start: u32;
-    static _stack_end: u32;
 }
 
 #[panic_handler]
@@ -41,7 +39,7 @@ fn panic(_: &PanicInfo<'_>) -> ! {
 /// digits, and ends the program: 0 if all went well, else 1. Files, and even decimal digits, could
 /// panic as they are made.
 pub fn report_and_exit(success: bool) -> ! {
-    let used = stack_used();
+    let used = stack::used();
     for place in (0..8).rev() {
         let digit = (used >> (4 * place)) as u8 & 0xf;
         sys_writec(if digit < 10 {
@@ -52,21 +50,4 @@ pub fn report_and_exit(success: bool) -> ! {
     }
     sys_writec(b'\n');
     semihosting::process::exit(if success { 0 } else { 1 })
-}
-
-/// Bytes between the start of the stack and the deepest word that was written since the start-up
-/// code painted all of it.
-fn stack_used() -> u32 {
-    let start = (&raw const _stack_start).addr();
-    let mut word = &raw const _stack_end;
-    // SAFETY: the linker script places `_stack_end` below `_stack_start`, both aligned to words,
-    // and the RAM between them is the stack: mapped, painted by the start-up code, and read here
-    // as plain words. Reading is volatile, for the compiler knows of no object there.
-    #[allow(unsafe_code)]
-    unsafe {
-        while word.addr() < start && word.read_volatile() == STACK_PAINT_VALUE {
-            word = word.add(1);
-        }
-    }
-    start.wrapping_sub(word.addr()) as u32
 }

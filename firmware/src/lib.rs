@@ -1,6 +1,6 @@
 //! The tempco firmware: what is the same on every board and on the host.
 //!
-//! - [`app`]: the application, generic over `embedded-io`; runs and is tested on the host too
+//! - [`app`]: replays a log, generic over `embedded-io`; runs and is tested on the host too
 //! - [`table`]: the coefficient table built into the image
 //! - [`board`]: what differs between boards
 //! - [`baselines`]: what is usually done instead
@@ -10,11 +10,17 @@
 //! - [`kernels`]: the functions whose instructions the `bench` image counts
 //! - `measure`: counts instructions in QEMU; only on a target
 //! - `target`: semihosting, panics and faults; only on a target
+//! - [`unit`]: the application of gyro electronics, with its sampling interrupt, link and store
+//! - `reset`, `sample_clock`, `stack`: what the application needs of a Cortex-M
 //! - `guard`: in place of `target` with the feature `link-guard`, a panic that does not link, and
 //!   calls of what must link with it
 //!
 //! The images are in `src/bin`. On the host they compile to programs that say so.
 #![no_std]
+
+// First: its macros are used by what follows.
+#[macro_use]
+mod log;
 
 pub mod app;
 #[cfg(not(feature = "link-guard"))]
@@ -29,9 +35,22 @@ pub mod history;
 pub mod kernels;
 #[cfg(target_os = "none")]
 pub mod measure;
+#[cfg(all(target_os = "none", feature = "application"))]
+pub mod reset;
+#[cfg(all(target_os = "none", feature = "application"))]
+pub mod sample_clock;
+#[cfg(all(
+    target_os = "none",
+    any(feature = "application", feature = "link-guard")
+))]
+pub mod stack;
 pub mod table;
-#[cfg(all(target_os = "none", not(feature = "link-guard")))]
+#[cfg(all(
+    target_os = "none",
+    not(any(feature = "application", feature = "link-guard"))
+))]
 pub mod target;
+pub mod unit;
 
 #[cfg(not(target_os = "none"))]
 extern crate std;

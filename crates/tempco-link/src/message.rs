@@ -61,6 +61,9 @@ pub enum Request<'a> {
     ReZero {
         /// Averaging time \[s\].
         averaging_s: u16,
+        /// What the gyro should show meanwhile, such as the Earth's rate; empty for nothing
+        /// \[unit of the axis\].
+        expected: Axes,
     },
     /// Makes the table in a bank the one to boot with: roll-back.
     SelectBank(Bank),

@@ -128,7 +128,13 @@ fn the_encoding_does_not_change() {
         (2, Request::Telemetry { period_ms: 0 }),
         (3, Request::Sample(Sample::default())),
         (4, Request::Bit),
-        (5, Request::ReZero { averaging_s: 0 }),
+        (
+            5,
+            Request::ReZero {
+                averaging_s: 0,
+                expected: Axes::new(),
+            },
+        ),
         (6, Request::SelectBank(Bank::A)),
         (7, Request::UploadBegin { len: 0 }),
         (

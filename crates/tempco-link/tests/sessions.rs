@@ -6,7 +6,7 @@ use common::{Unit, ask, connected, events, feed, hello, wire};
 use proptest::collection::vec;
 use proptest::prelude::*;
 use tempco_image::CRC;
-use tempco_link::{Bank, Client, MAX_CHUNK, Request, Server, Telemetry};
+use tempco_link::{Axes, Bank, Client, MAX_CHUNK, Request, Server, Telemetry};
 
 #[test]
 fn a_session_from_hello_to_commit() {
@@ -42,7 +42,10 @@ fn an_answer_that_was_lost_is_repeated_and_nothing_carried_out_twice() {
     let (mut server, mut unit) = (Server::new(1), Unit::default());
     let mut client = connected(&mut server, &mut unit, 5);
     let request = client
-        .request(&Request::ReZero { averaging_s: 60 })
+        .request(&Request::ReZero {
+            averaging_s: 60,
+            expected: Axes::new(),
+        })
         .unwrap()
         .to_vec();
     let first = feed(&mut server, &mut unit, &request);
@@ -125,7 +128,10 @@ fn a_replayed_session_carries_nothing_out() {
     events(&mut client, &answers);
     for request in [
         Request::SelectBank(Bank::B),
-        Request::ReZero { averaging_s: 1 },
+        Request::ReZero {
+            averaging_s: 1,
+            expected: Axes::new(),
+        },
         Request::UploadBegin { len: 64 },
     ] {
         recorded.extend_from_slice(client.request(&request).unwrap());
@@ -290,7 +296,7 @@ proptest! {
         for (number, bytes) in image.chunks(MAX_CHUNK).enumerate() {
             let offset = (number * MAX_CHUNK) as u32;
             requests.push(Request::UploadChunk { offset, bytes });
-            requests.push(Request::ReZero { averaging_s: number as u16 });
+            requests.push(Request::ReZero { averaging_s: number as u16, expected: Axes::new() });
         }
         let crc = CRC.checksum(&image);
         requests.push(Request::UploadCommit { len: image.len() as u32, crc });

@@ -65,16 +65,14 @@ impl Store {
             Ok(false) => Checked::Passed(slot),
             Err(error) => Checked::Bad(slot, error),
             Ok(true) => {
-                match (0..slices).try_fold(false, |end, _| {
-                    if end {
-                        Ok(true)
-                    } else {
-                        self.check_slice(flash)
-                    }
+                // Ends with the slot, however many slices are asked for.
+                match (0..slices).find_map(|_| match self.check_slice(flash) {
+                    Ok(false) => None,
+                    Ok(true) => Some(Checked::Good(slot)),
+                    Err(error) => Some(Checked::Bad(slot, error)),
                 }) {
-                    Ok(false) => return Checked::Underway(slot),
-                    Ok(true) => Checked::Good(slot),
-                    Err(error) => Checked::Bad(slot, error),
+                    Some(outcome) => outcome,
+                    None => return Checked::Underway(slot),
                 }
             }
         };

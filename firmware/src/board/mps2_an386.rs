@@ -2,6 +2,40 @@
 //!
 //! In QEMU (`mps2-an386`) one SysTick count is 40 ns, and with `-icount shift=0` an instruction
 //! takes 1 ns: 40 calls of a function take one count per instruction of the function.
+//!
+//! For the application: the link is UART0. The board has neither a flash of its own for data nor
+//! sensors nor a gyro. A stretch of RAM stands in for the flash, with its rules ([`nor`]), and a
+//! test bench on UART1 for the others (`bench`).
+
+#[cfg(all(
+    target_os = "none",
+    feature = "board-mps2-an386",
+    feature = "application"
+))]
+mod application;
+#[cfg(all(
+    target_os = "none",
+    feature = "board-mps2-an386",
+    feature = "application"
+))]
+mod bench;
+pub mod nor;
+#[cfg(all(
+    target_os = "none",
+    feature = "board-mps2-an386",
+    feature = "application"
+))]
+mod uart;
+
+#[cfg(all(
+    target_os = "none",
+    feature = "board-mps2-an386",
+    feature = "application"
+))]
+pub use application::*;
+
+#[cfg(all(target_os = "none", feature = "board-mps2-an386"))]
+pub mod interrupts;
 
 use super::Board;
 

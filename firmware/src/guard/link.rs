@@ -4,7 +4,7 @@ use core::hint::black_box;
 
 use heapless::Vec;
 use tempco_link::{
-    Bank, ChannelTelemetry, Client, Event, Fault, FaultEntry, Handler, LinkError, MAX_AXES,
+    Axes, Bank, ChannelTelemetry, Client, Event, Fault, FaultEntry, Handler, LinkError, MAX_AXES,
     MAX_BLOCK, MAX_CHUNK, MAX_FAULTS, MAX_FRAME, Outcome, OutcomeBlock, Refusal, Request, Response,
     Sample, SampleBlock, Server, Telemetry,
 };
@@ -35,7 +35,10 @@ pub fn links() -> Result<(), LinkError> {
             raw: all(0.5),
         }),
         Request::Bit,
-        Request::ReZero { averaging_s: 60 },
+        Request::ReZero {
+            averaging_s: 60,
+            expected: Axes::new(),
+        },
         Request::SelectBank(Bank::B),
         Request::UploadBegin { len: 256 },
         Request::UploadChunk {

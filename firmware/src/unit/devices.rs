@@ -46,13 +46,19 @@ pub trait SampleClock {
     /// after the time was taken.
     fn sleep(&self) -> u32;
 
+    /// Whether the next interrupt has already come while this one is carried out.
+    fn is_pending(&self) -> bool;
+
+    /// Duration of a count \[ns\].
+    const COUNT_NS: u32;
+
     /// Lets the sampling interrupt come now, besides its timer, and returns after it.
     fn interrupt_now(&self);
 }
 
 /// Why the unit started.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(target_os = "none", derive(defmt::Format))]
 pub enum ResetCause {
     /// The supply came, or nothing is known.
     PowerOn,
@@ -76,13 +82,9 @@ pub struct Regions {
 }
 
 /// What a board's module hands over, with everything set up.
-pub struct Devices<L, F, T, W> {
+pub struct Devices<L, T, W> {
     /// Bytes to and from the host. Reading takes what has come and does not wait.
     pub link: L,
-    /// The flash that holds the store.
-    pub flash: F,
-    /// Its layout.
-    pub regions: Regions,
     /// The temperature sensors.
     pub thermometers: T,
     /// The watchdog, not yet started.

@@ -78,6 +78,14 @@ pub enum Error {
         /// What QEMU said.
         stderr: String,
     },
+    /// QEMU did not carry out a command while it ran an image.
+    #[error("QEMU's control socket, {command}: {reason}")]
+    Control {
+        /// The command.
+        command: String,
+        /// What QEMU said.
+        reason: String,
+    },
     /// The file is not an image of this firmware.
     #[error("{path} is not a firmware image: {reason}")]
     Image {

@@ -8,12 +8,13 @@
 //! - [`code()`]: the machine code of one of its functions
 //! - [`Layout`]: where an image lies in memory, and how much of it it takes
 //! - [`run()`]: an image in QEMU, with a time limit, its exit code and its decoded log
+//! - [`Machine`]: an image in QEMU in the background, with a line to its first UART
 //! - [`replay()`]: a log through the `replay` image
 //! - [`guard`]: images that link only if they cannot panic
 //! - [`golden`]: hashes of what host and targets make of the same samples
 //!
-//! A replay is bytes in and bytes out, in the format of `tempco-replay`. The same firmware behind
-//! a serial port would be a sibling of [`replay()`] that needs nothing else from this crate.
+//! [`replay()`] is bytes in and bytes out, in the format of `tempco-replay`. A log through the
+//! whole application, over its serial link, is `tempco-hil` on a [`Machine`].
 //!
 //! ```no_run
 //! use tempco_qemu::{Board, Workspace, build, ensure_qemu, ensure_target, replay};
@@ -38,6 +39,10 @@ pub mod guard;
 mod install;
 mod layout;
 mod log;
+#[cfg(unix)]
+mod machine;
+#[cfg(unix)]
+mod qmp;
 mod replay;
 mod run;
 mod workspace;
@@ -48,6 +53,8 @@ pub use code::code;
 pub use error::Error;
 pub use install::{TARGET, ensure_program, ensure_qemu, ensure_target, ensure_target_of};
 pub use layout::Layout;
+#[cfg(unix)]
+pub use machine::{Machine, MachineOptions};
 pub use replay::replay;
 pub use run::{Options, Run, run};
 pub use workspace::Workspace;

@@ -1,0 +1,142 @@
+//! Image `bringup`: sets the board up and shows what it finds, for the first hours of a new board.
+//!
+//! Logs the clock, the reset cause, the flash and the sensors; then sends back what comes on the
+//! link until a zero comes, while the sampling interrupt reads the counters at 2 kHz; then logs
+//! what was counted, and what the link has lost. It erases nothing.
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[cfg(not(target_os = "none"))]
+fn main() -> std::process::ExitCode {
+    tempco_firmware::host_main()
+}
+
+#[cfg(target_os = "none")]
+mod image {
+    use core::cell::RefCell;
+    use core::sync::atomic::{AtomicI32, AtomicU32, Ordering};
+
+    use cortex_m::interrupt::{self, Mutex};
+    use cortex_m::peripheral::syst::SystClkSource;
+    use cortex_m_rt::exception;
+    use embedded_io::{Read as _, Write as _};
+    use embedded_storage::nor_flash::ReadNorFlash;
+    use tempco_firmware::board::BOARD;
+    use tempco_firmware::board::stm32f405::{
+        self, AXES, Counters, REGIONS, SENSORS, Stm32f405, Usart,
+    };
+    use tempco_firmware::target::{banner, exit};
+    use tempco_firmware::unit::devices::{Gyro, Thermometers, Watchdog};
+    use tempco_replay::{ChannelOutcome, Outcome};
+
+    const SAMPLE_RATE_HZ: u32 = 2000;
+    /// Samples until the first conversion of the sensors has ended: 100 ms.
+    const CONVERSION: u32 = SAMPLE_RATE_HZ / 10;
+    const WATCHDOG_MS: u32 = 10_000;
+
+    static COUNTERS: Mutex<RefCell<Option<Counters>>> = Mutex::new(RefCell::new(None));
+    static SAMPLES: AtomicU32 = AtomicU32::new(0);
+    static COUNTS: [AtomicI32; AXES] = [const { AtomicI32::new(0) }; AXES];
+
+    #[cortex_m_rt::entry]
+    fn main() -> ! {
+        banner("bringup");
+        let Some(mut core) = cortex_m::Peripherals::take() else {
+            exit(false)
+        };
+        let Some(Stm32f405 {
+            mut devices,
+            mut flash,
+            gyro,
+            clock,
+        }) = stm32f405::set_up(&mut core)
+        else {
+            exit(false)
+        };
+        defmt::info!("clock {}, reset by {}", clock, devices.reset_cause);
+        let [a, b] = REGIONS.slots;
+        for region in [a, b, REGIONS.faults, REGIONS.offsets] {
+            let mut first = [0; 4];
+            let read = flash.read(region.start, &mut first);
+            let (read, first) = (read.is_ok(), u32::from_le_bytes(first));
+            defmt::info!("flash {}: {=bool} {=u32:08x}", region, read, first);
+        }
+
+        devices.watchdog.start(WATCHDOG_MS);
+        interrupt::free(|cs| COUNTERS.borrow(cs).replace(Some(gyro)));
+        core.SYST.set_clock_source(SystClkSource::Core);
+        core.SYST.set_reload(BOARD.systick_hz / SAMPLE_RATE_HZ - 1);
+        core.SYST.clear_current();
+        core.SYST.enable_interrupt();
+        core.SYST.enable_counter();
+
+        log_temperatures(&mut devices.thermometers);
+        let start = samples();
+        while samples().wrapping_sub(start) < CONVERSION {
+            cortex_m::asm::wfi();
+        }
+        log_temperatures(&mut devices.thermometers);
+
+        echo(&mut devices.link, &mut devices.watchdog);
+        let counts = COUNTS.each_ref().map(|count| count.load(Ordering::Relaxed));
+        defmt::info!("counts {} in {=u32} samples", counts, samples());
+        defmt::info!("link {}", devices.link.errors());
+        exit(true)
+    }
+
+    /// `NotReady` the first time, and what is wrong with a sensor that does not answer.
+    fn log_temperatures(sensors: &mut impl Thermometers<SENSORS>) {
+        for (sensor, reading) in sensors.read().into_iter().enumerate() {
+            defmt::info!("sensor {=usize}: {}", sensor, reading);
+        }
+    }
+
+    /// Sends back what comes, the zero at the end included.
+    fn echo(link: &mut Usart, watchdog: &mut impl Watchdog) {
+        defmt::info!("echo");
+        loop {
+            watchdog.feed();
+            let mut bytes = [0; 64];
+            let Ok(count) = link.read(&mut bytes);
+            let received = &bytes[..count];
+            _ = link.write_all(received);
+            if received.contains(&0) {
+                return;
+            }
+            if received.is_empty() {
+                cortex_m::asm::wfi();
+            }
+        }
+    }
+
+    fn samples() -> u32 {
+        SAMPLES.load(Ordering::Relaxed)
+    }
+
+    /// Load and store suffice: there is one writer.
+    #[exception]
+    fn SysTick() {
+        static mut MINE: Option<Counters> = None;
+
+        if MINE.is_none() {
+            *MINE = interrupt::free(|cs| COUNTERS.borrow(cs).take());
+        }
+        let Some(gyro) = MINE else { return };
+        let counts: [[i32; AXES]; 1] = gyro.counts();
+        for (sum, count) in COUNTS.iter().zip(counts[0]) {
+            sum.store(
+                sum.load(Ordering::Relaxed).wrapping_add(count),
+                Ordering::Relaxed,
+            );
+        }
+        gyro.put(&Outcome {
+            channels: [ChannelOutcome {
+                effective_c: f32::NAN,
+                rate_c_per_min: f32::NAN,
+                status: 0,
+                bias: [0.0; AXES],
+                compensated: counts[0].map(|count| count as f32),
+            }],
+        });
+        SAMPLES.store(samples().wrapping_add(1), Ordering::Relaxed);
+    }
+}

@@ -1,0 +1,105 @@
+//! Image `unit`: the application of gyro electronics. Needs the feature `application`.
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[cfg(not(all(target_os = "none", feature = "application")))]
+fn main() -> std::process::ExitCode {
+    tempco_firmware::host_main()
+}
+
+#[cfg(all(target_os = "none", feature = "application"))]
+mod image {
+    use core::cell::RefCell;
+
+    use cortex_m::peripheral::SYST;
+    use cortex_m::{Peripherals, singleton};
+    use cortex_m_rt::{entry, exception};
+    use critical_section::Mutex;
+    use tempco_firmware::board::chosen::{self, BoardGyro, REGIONS};
+    use tempco_firmware::reset::{self, Reason};
+    use tempco_firmware::sample_clock::SysTick;
+    use tempco_firmware::stack;
+    use tempco_firmware::unit::devices::ResetCause;
+    use tempco_firmware::unit::exchange::{Counts, Queues};
+    use tempco_firmware::unit::storage::Storage;
+    use tempco_firmware::unit::{
+        AXES, CHANNELS, IMAGE_LEN, Next, Parts, SCHEDULE, Sampling, Unit, UnitTables, scale,
+    };
+    use tempco_image::AlignedBytes;
+
+    type Interrupt = (Sampling<'static, BoardGyro, CHANNELS, AXES>, SYST);
+
+    /// From the set-up to the interrupt.
+    static INTERRUPT: Mutex<RefCell<Option<Interrupt>>> = Mutex::new(RefCell::new(None));
+    static COUNTS: Counts = Counts::new();
+
+    #[exception]
+    fn SysTick() {
+        static mut OWN: Option<Interrupt> = None;
+        if OWN.is_none() {
+            *OWN = critical_section::with(|cs| INTERRUPT.take(cs));
+        }
+        if let Some((sampling, timer)) = OWN {
+            sampling.interrupt(timer.has_wrapped(), &SysTick);
+        }
+    }
+
+    #[entry]
+    fn main() -> ! {
+        // `None` only if this were called twice.
+        match run() {
+            Some(reason) => reset::because(reason),
+            None => reset::because(Reason::Crash(0)),
+        }
+    }
+
+    fn run() -> Option<Reason> {
+        let mut core = Peripherals::take()?;
+        let (mut devices, flash, gyro) = chosen::take(&mut core)?;
+        let last = reset::last();
+        let crash = match last {
+            Some(Reason::Crash(place)) => Some(place),
+            _ => None,
+        };
+        if last == Some(Reason::Watchdog) {
+            devices.reset_cause = ResetCause::Watchdog;
+        }
+
+        type Buffer = AlignedBytes<IMAGE_LEN>;
+        let buffer = singleton!(: Buffer = AlignedBytes([0; IMAGE_LEN]))?;
+        let scratch = singleton!(: Buffer = AlignedBytes([0; IMAGE_LEN]))?;
+        let (storage, image) =
+            Storage::boot::<CHANNELS, AXES>(flash, REGIONS, &mut buffer.0, &mut scratch.0).ok()?;
+        let tables = image.as_ref().and_then(|image| {
+            let tables = image.tables().ok()?;
+            let tables: &UnitTables<CHANNELS, AXES> =
+                singleton!(: UnitTables<'static, CHANNELS, AXES> = tables)?;
+            Some((tables, image.info().table_crc))
+        });
+        tempco_firmware::info!(
+            "unit with table {=u32:08x}",
+            tables.map_or(0, |(_, crc)| crc)
+        );
+
+        let offsets = storage.offsets(tables.map_or(0, |(_, crc)| crc));
+        let queues = singleton!(: Queues<CHANNELS, AXES> = Queues::new())?;
+        let (interrupt_ends, ends) = queues.split(&COUNTS);
+        let scale = scale(image.as_ref(), SCHEDULE.sample_rate_hz);
+        let tables_only = tables.map(|(tables, _)| tables);
+        let sampling = Sampling::new(gyro, interrupt_ends, tables_only, SCHEDULE, scale, offsets);
+
+        let clock = SysTick::start(&mut core.SYST);
+        critical_section::with(|cs| INTERRUPT.replace(cs, Some((sampling, core.SYST))));
+        let parts = Parts {
+            storage,
+            tables,
+            offsets,
+            ends,
+            clock,
+            schedule: SCHEDULE,
+            stack_is_sound: stack::is_sound,
+        };
+        let mut unit = Unit::new(parts, devices, crash);
+        while unit.pass() == Next::GoOn {}
+        Some(Reason::Commanded)
+    }
+}

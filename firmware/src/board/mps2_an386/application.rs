@@ -1,0 +1,162 @@
+//! The board's set-up for the application.
+
+use cortex_m_rt::exception;
+use tempco_store::Region;
+
+use super::bench::{BenchGyro, BenchThermometers};
+use super::interrupts::Interrupt;
+use super::nor::Nor;
+use super::uart::Uart;
+use crate::reset;
+use crate::unit::devices::{Devices, Regions, ResetCause, Watchdog};
+
+/// The gyro.
+pub type BoardGyro = BenchGyro;
+/// The flash that holds the store.
+pub type BoardFlash = Nor<'static>;
+
+/// Where the store is in the flash, which is at the start of the PSRAM (0x21000000).
+pub const REGIONS: Regions = Regions {
+    slots: [
+        Region {
+            start: 0,
+            len: 0x8000,
+        },
+        Region {
+            start: 0x8000,
+            len: 0x8000,
+        },
+    ],
+    faults: Region {
+        start: 0x1_0000,
+        len: 0x2000,
+    },
+    offsets: Region {
+        start: 0x1_2000,
+        len: 0x2000,
+    },
+};
+
+/// Sets the board up. Once.
+pub fn take(
+    core: &mut cortex_m::Peripherals,
+) -> Option<(
+    Devices<Uart, BenchThermometers, BoardWatchdog>,
+    BoardFlash,
+    BoardGyro,
+)> {
+    let flash = Nor(registers::flash());
+    let devices = Devices {
+        link: Uart::link()?,
+        thermometers: BenchThermometers::new(Uart::bench()?),
+        watchdog: BoardWatchdog(()),
+        // The board does not tell; the watchdog's warning does.
+        reset_cause: ResetCause::PowerOn,
+    };
+    for interrupt in [Interrupt::UARTRX0, Interrupt::UARTRX1] {
+        // SAFETY: the handlers have what they need, and nothing relies on their being masked.
+        #[allow(unsafe_code)]
+        unsafe {
+            core.NVIC.set_priority(interrupt, RECEIVE_PRIORITY);
+            cortex_m::peripheral::NVIC::unmask(interrupt);
+        }
+    }
+    Some((devices, flash, BenchGyro::new()))
+}
+
+/// Below the sampling interrupt, which has the highest there is.
+const RECEIVE_PRIORITY: u8 = 0x80;
+
+/// The CMSDK APB watchdog: at its first timeout a non-maskable interrupt, which resets.
+pub struct BoardWatchdog(());
+
+impl Watchdog for BoardWatchdog {
+    fn start(&mut self, timeout_ms: u32) {
+        registers::start_watchdog(timeout_ms * 25_000);
+    }
+
+    fn feed(&mut self) {
+        registers::feed_watchdog();
+    }
+}
+
+// SAFETY: the handler writes atomics and resets the processor; it returns to nothing.
+#[allow(unsafe_code)]
+#[exception]
+unsafe fn NonMaskableInt() -> ! {
+    reset::because(reset::Reason::Watchdog)
+}
+
+/// The devices' registers.
+pub(super) mod registers {
+    use core::sync::atomic::AtomicU32;
+
+    use volatile_register::RW;
+
+    use super::super::uart;
+
+    pub(super) const FLASH_WORDS: usize = 0x1_4000 / 4;
+
+    #[repr(C)]
+    struct WatchdogRegisters {
+        load: RW<u32>,
+        value: RW<u32>,
+        control: RW<u32>,
+        clear: RW<u32>,
+    }
+
+    const WATCHDOG_ENABLE: u32 = 1;
+    const WATCHDOG_RESET: u32 = 2;
+
+    // SAFETY: the addresses are those of the devices in Arm's Application Note AN386, mapped for
+    // ever, aligned to words, and of registers that are accessed by volatile words only. The PSRAM
+    // is RAM that the linker does not use; any bits are an `AtomicU32`.
+    #[allow(unsafe_code)]
+    mod at {
+        use super::{AtomicU32, FLASH_WORDS, RW, WatchdogRegisters, uart};
+
+        pub(super) fn uart0() -> &'static uart::Registers {
+            unsafe { &*core::ptr::with_exposed_provenance(0x4000_4000) }
+        }
+        pub(super) fn uart1() -> &'static uart::Registers {
+            unsafe { &*core::ptr::with_exposed_provenance(0x4000_5000) }
+        }
+        pub(super) fn watchdog() -> &'static WatchdogRegisters {
+            unsafe { &*core::ptr::with_exposed_provenance(0x4000_8000) }
+        }
+        pub(super) fn lamps() -> &'static RW<u32> {
+            unsafe { &*core::ptr::with_exposed_provenance(0x4002_8000) }
+        }
+        pub(super) fn flash() -> &'static [AtomicU32; FLASH_WORDS] {
+            unsafe { &*core::ptr::with_exposed_provenance(0x2100_0000) }
+        }
+        pub(super) fn write(register: &RW<u32>, value: u32) {
+            unsafe { register.write(value) }
+        }
+    }
+
+    pub(super) fn flash() -> &'static [AtomicU32; FLASH_WORDS] {
+        at::flash()
+    }
+
+    pub(in super::super) fn uart0() -> &'static uart::Registers {
+        at::uart0()
+    }
+
+    pub(in super::super) fn uart1() -> &'static uart::Registers {
+        at::uart1()
+    }
+
+    pub(in super::super) fn put_lamps(value: u32) {
+        at::write(at::lamps(), value);
+    }
+
+    pub(super) fn start_watchdog(counts: u32) {
+        at::write(&at::watchdog().load, counts);
+        at::write(&at::watchdog().control, WATCHDOG_ENABLE | WATCHDOG_RESET);
+    }
+
+    pub(super) fn feed_watchdog() {
+        at::write(&at::watchdog().clear, 1);
+    }
+}

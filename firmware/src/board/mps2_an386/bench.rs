@@ -1,0 +1,127 @@
+//! The test bench on UART1, in place of sensors and gyro.
+//!
+//! A message is 8 bytes: `0xa5`, a letter, a number, `0`, and 4 bytes of a value, low byte first.
+//!
+//! | letter | number | value |
+//! |---|---|---|
+//! | `T` | channel | its temperature from now on, `f32` \[degC\] |
+//! | `E` | channel | its fault from now on: 0 bus, 1 open, 2 short, 3 rail, 4 not ready |
+//! | `G` | axis | its counts per sample from now on, `i32` |
+//! | `S` | 0 | stops the main loop, as a defect would |
+
+use core::cell::RefCell;
+use core::sync::atomic::{AtomicI32, Ordering};
+
+use embedded_io::Read as _;
+use tempco_replay::Outcome;
+use tempco_sensors::SensorFault;
+
+use super::application::registers;
+use super::uart::Uart;
+use crate::unit::devices::{Gyro, Thermometers};
+
+const BEGIN: u8 = 0xa5;
+const MAX: usize = 6;
+
+/// Counts per sample of each axis.
+static COUNTS: [AtomicI32; MAX] = [const { AtomicI32::new(0) }; MAX];
+
+/// The sensors.
+pub struct BenchThermometers {
+    line: Uart,
+    message: heapless::Vec<u8, 8>,
+    readings: RefCell<[Result<f32, SensorFault>; MAX]>,
+}
+
+impl BenchThermometers {
+    pub(super) fn new(line: Uart) -> Self {
+        Self {
+            line,
+            message: heapless::Vec::new(),
+            readings: RefCell::new([Ok(25.0); MAX]),
+        }
+    }
+
+    fn receive(&mut self, byte: u8) {
+        if self.message.is_empty() && byte != BEGIN {
+            return;
+        }
+        // Cannot fail: it is emptied when full.
+        _ = self.message.push(byte);
+        let Ok(message) = self.message.clone().into_array::<8>() else {
+            return;
+        };
+        self.message.clear();
+        let [_, letter, number, _, value @ ..] = message;
+        let code = u32::from_le_bytes(value);
+        let number = usize::from(number);
+        let readings = self.readings.get_mut();
+        match (letter, readings.get_mut(number)) {
+            (b'T', Some(reading)) => *reading = Ok(f32::from_bits(code)),
+            (b'E', Some(reading)) => {
+                *reading = Err(match code {
+                    1 => SensorFault::Open,
+                    2 => SensorFault::Short,
+                    3 => SensorFault::Rail,
+                    4 => SensorFault::NotReady,
+                    _ => SensorFault::Bus,
+                });
+            }
+            (b'G', _) => {
+                if let Some(counts) = COUNTS.get(number) {
+                    counts.store(code as i32, Ordering::Relaxed);
+                }
+            }
+            (b'S', _) => loop {
+                cortex_m::asm::nop();
+            },
+            _ => {}
+        }
+    }
+}
+
+impl<const C: usize> Thermometers<C> for BenchThermometers {
+    /// Ten seconds.
+    const STUCK_AFTER: Option<u32> = Some(100);
+
+    fn read(&mut self) -> [Result<f32, SensorFault>; C] {
+        let mut bytes = [0; 64];
+        while let Ok(count @ 1..) = self.line.read(&mut bytes) {
+            for byte in bytes.iter().take(count) {
+                self.receive(*byte);
+            }
+        }
+        let readings = self.readings.get_mut();
+        core::array::from_fn(|channel| {
+            readings
+                .get(channel)
+                .copied()
+                .unwrap_or(Err(SensorFault::Bus))
+        })
+    }
+}
+
+/// The gyro.
+pub struct BenchGyro(());
+
+impl BenchGyro {
+    pub(super) const fn new() -> Self {
+        Self(())
+    }
+}
+
+impl<const C: usize, const A: usize> Gyro<C, A> for BenchGyro {
+    fn counts(&mut self) -> [[i32; A]; C] {
+        let mut counts = COUNTS.iter().map(|counts| counts.load(Ordering::Relaxed));
+        core::array::from_fn(|_| core::array::from_fn(|_| counts.next().unwrap_or(0)))
+    }
+
+    /// The lamps of the board stand for the output.
+    fn put(&mut self, outcome: &Outcome<C, A>) {
+        let status = outcome
+            .channels
+            .iter()
+            .fold(0, |all, channel| all | channel.status);
+        registers::put_lamps(status);
+    }
+}

@@ -1,0 +1,89 @@
+//! Temperatures: platinum resistors of 1000 ohm at MAX31865 on SPI1, one chip select each.
+
+use core::cell::RefCell;
+
+use embedded_hal_bus::spi::{NoDelay, RefCellDevice};
+use stm32f4xx_hal::gpio::{ErasedPin, Output, PA5, PA6, PA7};
+use stm32f4xx_hal::hal::spi::MODE_1;
+use stm32f4xx_hal::pac::SPI1;
+use stm32f4xx_hal::prelude::*;
+use stm32f4xx_hal::rcc::Rcc;
+use stm32f4xx_hal::spi::Spi;
+use tempco_sensors::{Filter, Max31865, Platinum, SensorFault, Wires};
+
+use super::SENSORS;
+use crate::unit::devices::Thermometers;
+
+/// The reference resistor beside each chip \[ohm\].
+const REFERENCE_OHM: f64 = 4000.0;
+
+/// Temperatures beyond which the chip reports a broken wire \[degC\].
+const RANGE_C: (f64, f64) = (-80.0, 170.0);
+
+type Device = RefCellDevice<'static, Spi<SPI1>, ErasedPin<Output>, NoDelay>;
+
+struct Sensor {
+    chip: Max31865<Device>,
+    is_started: bool,
+}
+
+/// The sensors; channel by channel the first, second and third.
+pub struct Sensors([Sensor; SENSORS]);
+
+impl Sensors {
+    /// `None` where they were made before.
+    pub(super) fn new(
+        spi: SPI1,
+        (clock, input, output): (PA5, PA6, PA7),
+        selects: [ErasedPin<Output>; SENSORS],
+        rcc: &mut Rcc,
+    ) -> Option<Self> {
+        let pins = (Some(clock), Some(input), Some(output));
+        let spi = Spi::new(spi, pins, MODE_1, 1.MHz(), rcc);
+        let bus: &'static RefCell<_> =
+            cortex_m::singleton!(: RefCell<Spi<SPI1>> = RefCell::new(spi))?;
+        Some(Self(selects.map(|mut select| {
+            select.set_high();
+            let Ok(device) = RefCellDevice::new_no_delay(bus, select);
+            Sensor::new(device)
+        })))
+    }
+}
+
+impl Sensor {
+    fn new(device: Device) -> Self {
+        Self {
+            chip: Max31865::new(
+                device,
+                Platinum::PT1000,
+                REFERENCE_OHM,
+                Wires::TwoOrFour,
+                Filter::Hz50,
+            ),
+            is_started: false,
+        }
+    }
+
+    /// A chip that did not answer, or lost its supply, is started again.
+    fn read(&mut self) -> Result<f32, SensorFault> {
+        if !self.is_started {
+            self.chip.start(RANGE_C.0, RANGE_C.1)?;
+            self.is_started = true;
+            return Err(SensorFault::NotReady);
+        }
+        let reading = self.chip.read();
+        self.is_started = reading != Err(SensorFault::Bus);
+        reading
+    }
+}
+
+impl<const C: usize> Thermometers<C> for Sensors {
+    /// A step of the chip is 0.03 degC, more than its noise.
+    const STUCK_AFTER: Option<u32> = None;
+
+    fn read(&mut self) -> [Result<f32, SensorFault>; C] {
+        const { assert!(C <= SENSORS, "the board has three temperature sensors") };
+        let mut sensors = self.0.iter_mut();
+        core::array::from_fn(|_| sensors.next().map_or(Err(SensorFault::Bus), Sensor::read))
+    }
+}

@@ -1,0 +1,100 @@
+//! Sets everything up.
+
+use cortex_m::Peripherals;
+use cortex_m::peripheral::scb::SystemHandler;
+use stm32f4xx_hal::pac;
+use stm32f4xx_hal::prelude::*;
+
+use super::clocks::{self, Source};
+use super::flash::Sectors;
+use super::gyro::{self, Counters};
+use super::link::Usart;
+use super::output::Output;
+use super::reset;
+use super::sensors::Sensors;
+use super::watchdog::{Feeder, IndependentWatchdog};
+use crate::unit::devices::Devices;
+
+/// Of 16 levels of priority, the one below the highest.
+const SAMPLING: u8 = 1 << 4;
+
+/// The gyro.
+pub type BoardGyro = Counters;
+/// The flash that holds the store.
+pub type BoardFlash = Sectors;
+
+/// What the board has.
+pub struct Stm32f405 {
+    /// What the main loop works with.
+    pub devices: Devices<Usart, Sensors, IndependentWatchdog>,
+    /// Where the store is.
+    pub flash: Sectors,
+    /// What the sampling interrupt works with.
+    pub gyro: Counters,
+    /// Where the clock comes from.
+    pub clock: Source,
+}
+
+/// Sets the board up for the application. Once.
+pub fn take(
+    core: &mut Peripherals,
+) -> Option<(
+    Devices<Usart, Sensors, IndependentWatchdog>,
+    BoardFlash,
+    BoardGyro,
+)> {
+    let board = set_up(core)?;
+    if board.clock == Source::Internal {
+        crate::warn!("the crystal does not start");
+    }
+    Some((board.devices, board.flash, board.gyro))
+}
+
+/// Sets the board up; once, then `None`. The sampling interrupt is SysTick, and gets a priority
+/// below that of the link.
+pub fn set_up(core: &mut Peripherals) -> Option<Stm32f405> {
+    let chip = pac::Peripherals::take()?;
+    let reset_cause = reset::cause(chip.RCC.csr().read().bits());
+    chip.RCC.csr().modify(|_, w| w.rmvf().clear());
+    let (mut rcc, clock) = clocks::start(chip.RCC);
+    let rcc = &mut rcc;
+
+    let a = chip.GPIOA.split(rcc);
+    let b = chip.GPIOB.split(rcc);
+    let c = chip.GPIOC.split(rcc);
+
+    // SAFETY: no critical section depends on priorities.
+    #[allow(unsafe_code)]
+    unsafe {
+        core.SCB.set_priority(SystemHandler::SysTick, SAMPLING);
+    }
+
+    let feeder = Feeder::new(chip.IWDG, &chip.DBGMCU)?;
+    let selects = [
+        a.pa4.into_push_pull_output().erase(),
+        c.pc4.into_push_pull_output().erase(),
+        c.pc5.into_push_pull_output().erase(),
+    ];
+    let gyro = gyro::Parts {
+        x: (
+            chip.TIM2,
+            a.pa15.into_floating_input(),
+            b.pb3.into_floating_input(),
+        ),
+        y: (chip.TIM5, a.pa0, a.pa1),
+        z: (chip.TIM4, b.pb6, b.pb7),
+        data_ready: c.pc8,
+        output: Output::new(chip.USART6, c.pc6, chip.DMA2, rcc)?,
+    };
+    Some(Stm32f405 {
+        gyro: Counters::new(gyro, rcc),
+        flash: Sectors::new(chip.FLASH, feeder),
+        clock,
+        devices: Devices {
+            link: Usart::new(chip.USART1, a.pa9, a.pa10, rcc)?,
+            thermometers: Sensors::new(chip.SPI1, (a.pa5, a.pa6, a.pa7), selects, rcc)?,
+            watchdog: IndependentWatchdog::new(feeder),
+            reset_cause,
+        },
+    })
+}

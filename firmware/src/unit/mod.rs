@@ -1,0 +1,78 @@
+//! The application of gyro electronics: compensates every sample, and looks after itself.
+//!
+//! ```text
+//! sampling interrupt, 2 kHz   counts -> compensate -> output     Sampling
+//!        ^ temperatures | moments v      (heapless queues, one producer and one consumer each)
+//! main loop                   thermometers, link, store, health  Unit
+//! ```
+//!
+//! - [`devices`]: what it needs of a board
+//! - [`Sampling`]: all that the interrupt does
+//! - [`exchange`]: the queues between interrupt and main loop
+//! - [`Unit`]: the main loop, one pass at a time
+//! - [`service`]: carries out requests of the link
+//! - [`storage`]: tables, fault log and offsets in the flash
+//! - [`thermometry`]: temperatures on schedule, and what is wrong with the sensors
+//! - [`rezero`]: the constant bias at rest
+//! - [`health`]: faults that are present, their log, the watchdog's rule
+//! - [`known_answer`]: whether this processor computes what it should
+//!
+//! Nothing here knows a processor: the host runs the same code in tests.
+//!
+//! # Why neither RTIC nor Embassy
+//! There is one interrupt with a deadline, and everything else has the time of a main loop; the
+//! two share nothing but queues. An executor would add its own code between the timer and the
+//! sample, and RTIC's resources would tie this code to the interrupts of one chip.
+
+pub mod devices;
+pub mod exchange;
+pub mod health;
+pub mod known_answer;
+mod main_loop;
+pub mod rezero;
+mod sampling;
+pub mod service;
+pub mod storage;
+pub mod thermometry;
+
+pub use main_loop::{Next, Parts, Unit, scale};
+pub use sampling::Sampling;
+
+use tempco::Table;
+use tempco_image::{MAX_PLAYS, MAX_SLOW_PARTS};
+use tempco_replay::{Schedule, Stream};
+
+use crate::table;
+
+/// Temperature channels, as of the table the image was built with.
+pub const CHANNELS: usize = table::CHANNELS;
+/// Axes of each channel, as of the table the image was built with.
+pub const AXES: usize = table::AXES;
+/// Serial number of the unit: only tables of this one are taken.
+pub const SERIAL: &str = table::SERIAL;
+
+/// Gyro samples at 2 kHz, temperatures at 10 Hz.
+pub const SCHEDULE: Schedule = Schedule {
+    sample_rate_hz: 2000.0,
+    samples_per_update: 200,
+};
+
+/// Scale factor of the gyro, for units whose table is of angles [arcsec/pulse].
+pub const SCALE_FACTOR_ARCSEC: f32 = 1.0;
+
+/// Time without a sign of life after which the watchdog resets the unit \[ms\].
+pub const WATCHDOG_MS: u32 = 4000;
+
+/// The longest image of a table \[bytes\].
+pub const IMAGE_LEN: usize = 16 * 1024;
+
+/// A table of the application. It has room for all the history terms that an image can have: they
+/// cost 77 instructions more per temperature, and then any table can be loaded.
+pub type UnitTable<'t, const A: usize> = Table<'t, A, MAX_PLAYS, MAX_SLOW_PARTS>;
+
+/// The tables of all channels.
+pub type UnitTables<'t, const C: usize, const A: usize> = [UnitTable<'t, A>; C];
+
+/// The compensators of all channels.
+pub type UnitStream<'t, const C: usize, const A: usize> =
+    Stream<'t, C, A, MAX_PLAYS, MAX_SLOW_PARTS>;

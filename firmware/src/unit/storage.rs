@@ -1,0 +1,273 @@
+//! Tables, fault log and offsets in the flash.
+
+use tempco_image::{Image, ImageError, MAX_PLAYS, MAX_SLOW_PARTS};
+use tempco_link::{Bank, Fault, FaultEntry, MAX_AXES, MAX_FAULTS, Refusal};
+use tempco_store::{Active, Checked, FaultLog, Offsets, Slot, SlotState, Store, StoreError};
+
+use super::SERIAL;
+use super::devices::{Flash, Regions};
+
+/// Faults in the log: those of the link, and the number of boots behind them.
+const CODES: usize = Fault::ALL.len() + 1;
+const BOOTS: usize = Fault::ALL.len();
+
+/// Slices of 64 bytes that one pass of the main loop checks.
+const SLICES: u32 = 4;
+
+/// Everything that is kept over resets.
+pub struct Storage<'t, F> {
+    flash: F,
+    regions: Regions,
+    store: Store,
+    faults: FaultLog<CODES>,
+    offsets: Offsets<MAX_AXES>,
+    /// Where an image is loaded to be looked at; the one in use stays where it is.
+    scratch: &'t mut [u8],
+    active: Option<Active>,
+    /// Slots A and B, as boot or the last check found them.
+    is_damaged: [bool; 2],
+}
+
+/// The check by which an image is taken: integrity was checked before.
+fn accept<const C: usize, const A: usize>(image: &Image) -> Result<(), ImageError> {
+    image.expect_serial(SERIAL)?;
+    image.tables::<C, A, MAX_PLAYS, MAX_SLOW_PARTS>().map(drop)
+}
+
+impl<'t, F: Flash> Storage<'t, F> {
+    /// Opens the flash, loads the image to use into `buffer` and validates it. Where there is
+    /// none, the unit runs uncompensated. Both buffers must be aligned to 4 bytes.
+    ///
+    /// # Errors
+    /// Regions that do not fit the flash; a defect of the board's module, and of nothing else.
+    pub fn boot<const C: usize, const A: usize>(
+        mut flash: F,
+        regions: Regions,
+        buffer: &'t mut [u8],
+        scratch: &'t mut [u8],
+    ) -> Result<(Self, Option<Image<'t>>), StoreError> {
+        let mut faults = FaultLog::open(&mut flash, regions.faults)?;
+        // Without the log the number of the boot is not known either, but nothing else is.
+        _ = faults.record(&mut flash, BOOTS, 0, 0);
+        let offsets = Offsets::open(&mut flash, regions.offsets)?;
+        let [a, b] = regions.slots;
+        let mut store = Store::new(&flash, a, b)?;
+        let boot = store.boot(&mut flash, buffer, accept::<C, A>);
+        let image = boot.active.and_then(|active| {
+            let buffer: &'t [u8] = buffer;
+            Image::read(buffer.get(..active.len)?).ok()
+        });
+        let storage = Self {
+            flash,
+            regions,
+            store,
+            faults,
+            offsets,
+            scratch,
+            active: boot.active,
+            is_damaged: boot.slots.map(|slot| matches!(slot, SlotState::Bad(_))),
+        };
+        Ok((storage, image))
+    }
+
+    /// The number of this boot.
+    pub const fn boot_number(&self) -> u32 {
+        self.faults.boot()
+    }
+
+    /// The image in use.
+    pub const fn active(&self) -> Option<Active> {
+        self.active
+    }
+
+    /// Puts an occurrence of a fault into the log.
+    ///
+    /// # Errors
+    /// A failing flash.
+    pub fn record(&mut self, fault: Fault, uptime_s: u32, detail: u32) -> Result<(), StoreError> {
+        let code = fault.code().into();
+        self.faults.record(&mut self.flash, code, uptime_s, detail)
+    }
+
+    /// Writes what was counted but not yet written, before a reset that is planned.
+    ///
+    /// # Errors
+    /// A failing flash.
+    pub fn flush(&mut self) -> Result<(), StoreError> {
+        self.faults.flush(&mut self.flash)
+    }
+
+    /// Faults that occurred, from a code on.
+    pub fn faults(&self, from_code: u16) -> heapless::Vec<FaultEntry, MAX_FAULTS> {
+        let all = self.faults.faults().iter().take(BOOTS).zip(0..);
+        let occurred = all.filter(|(fault, code)| fault.count > 0 && *code >= from_code);
+        let entry = |(fault, code): (&tempco_store::Fault, u16)| FaultEntry {
+            code,
+            count: fault.count,
+            boot: fault.boot,
+            uptime_s: fault.uptime_s,
+            detail: fault.detail,
+        };
+        occurred.map(entry).take(MAX_FAULTS).collect()
+    }
+
+    /// The constant biases that re-zero has found with a table.
+    pub fn offsets<const C: usize, const A: usize>(&self, table_crc: u32) -> [[f32; A]; C] {
+        let all = self.offsets.of(table_crc);
+        let mut all = all.into_iter();
+        core::array::from_fn(|_| core::array::from_fn(|_| all.next().unwrap_or(0.0)))
+    }
+
+    /// Keeps the constant biases that re-zero has found with a table.
+    ///
+    /// # Errors
+    /// A failing flash, or one that is not finite; the ones before are then kept.
+    pub fn set_offsets<const C: usize, const A: usize>(
+        &mut self,
+        table_crc: u32,
+        offsets: &[[f32; A]; C],
+    ) -> Result<(), StoreError> {
+        let mut all = [0.0; MAX_AXES];
+        for (place, offset) in all.iter_mut().zip(offsets.as_flattened()) {
+            *place = *offset;
+        }
+        self.offsets.set(&mut self.flash, table_crc, all)
+    }
+
+    /// Checks the next stretch of the slots, which take turns.
+    pub fn check(&mut self) {
+        let checked = self.store.check(&mut self.flash, SLICES);
+        self.remember(checked);
+    }
+
+    /// Number of a slot that is damaged, as far as is known.
+    pub fn damaged(&self) -> Option<u32> {
+        let slots = self.is_damaged.iter().zip(0..);
+        slots
+            .filter(|(is_damaged, _)| **is_damaged)
+            .map(|(_, slot)| slot)
+            .next()
+    }
+
+    fn remember(&mut self, checked: Checked) {
+        let [a, b] = &mut self.is_damaged;
+        let (slot, is_damaged) = match checked {
+            Checked::Underway(_) => return,
+            Checked::Bad(slot, _) => (slot, true),
+            Checked::Passed(slot) | Checked::Good(slot) => (slot, false),
+        };
+        *if slot == Slot::A { a } else { b } = is_damaged;
+    }
+
+    /// Checks the whole of both slots now, from wherever the periodic check is.
+    pub fn check_all(&mut self) {
+        for _ in 0..3 {
+            let checked = self.store.check(&mut self.flash, u32::MAX);
+            self.remember(checked);
+        }
+    }
+
+    /// Begins an update.
+    ///
+    /// # Errors
+    /// Why not.
+    pub fn upload_begin(&mut self, len: u32) -> Result<(), Refusal> {
+        if len as usize > self.scratch.len() {
+            return Err(Refusal::Store);
+        }
+        let begun = self.store.begin(&mut self.flash, len);
+        begun.map(drop).map_err(refusal)
+    }
+
+    /// Takes a chunk; where the next one begins.
+    ///
+    /// # Errors
+    /// Why not.
+    pub fn upload_chunk(&mut self, offset: u32, bytes: &[u8]) -> Result<u32, Refusal> {
+        let written = self.store.write(&mut self.flash, offset, bytes);
+        written.map_err(refusal)
+    }
+
+    /// Ends the update, if the image is good.
+    ///
+    /// # Errors
+    /// Why not.
+    pub fn upload_commit<const C: usize, const A: usize>(
+        &mut self,
+        len: u32,
+        crc: u32,
+    ) -> Result<(), Refusal> {
+        let Self {
+            store,
+            flash,
+            scratch,
+            ..
+        } = self;
+        let committed = store.commit(flash, len, crc, scratch, accept::<C, A>);
+        committed.map_err(refusal)
+    }
+
+    /// Makes the image of a bank the one to boot with, if it is good.
+    ///
+    /// # Errors
+    /// Why not.
+    pub fn select<const C: usize, const A: usize>(&mut self, bank: Bank) -> Result<(), Refusal> {
+        let Self {
+            store,
+            flash,
+            scratch,
+            ..
+        } = self;
+        let selected = store.select(flash, slot_of(bank), scratch, accept::<C, A>);
+        selected.map_err(refusal)
+    }
+
+    /// A stretch of the image in a bank, as far as it goes.
+    ///
+    /// # Errors
+    /// Why not.
+    pub fn download(&mut self, bank: Bank, offset: u32, len: u16) -> Result<&[u8], Refusal> {
+        let Self {
+            store,
+            flash,
+            scratch,
+            regions,
+            ..
+        } = self;
+        let slot = slot_of(bank);
+        let [a, b] = regions.slots;
+        let region = if slot == Slot::A { a } else { b };
+        let room = scratch.len().min(store.room::<F>(slot) as usize);
+        let scratch = scratch.get_mut(..room).ok_or(Refusal::Store)?;
+        let read = flash.read(region.start, scratch);
+        read.map_err(|_| Refusal::Store)?;
+        let image = Image::read(scratch).map_err(|_| Refusal::Image)?.bytes();
+        let from = image.len().min(offset as usize);
+        let to = image.len().min(from + usize::from(len));
+        image.get(from..to).ok_or(Refusal::Store)
+    }
+}
+
+/// The link's name of a slot.
+pub const fn bank_of(slot: Slot) -> Bank {
+    match slot {
+        Slot::A => Bank::A,
+        Slot::B => Bank::B,
+    }
+}
+
+const fn slot_of(bank: Bank) -> Slot {
+    match bank {
+        Bank::A => Slot::A,
+        Bank::B => Slot::B,
+    }
+}
+
+fn refusal(error: StoreError) -> Refusal {
+    crate::warn!("store: {}", error);
+    match error {
+        StoreError::Offset { expected } => Refusal::Offset { expected },
+        StoreError::Image(_) | StoreError::Different | StoreError::Incomplete => Refusal::Image,
+        _ => Refusal::Store,
+    }
+}

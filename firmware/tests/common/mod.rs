@@ -1,0 +1,433 @@
+//! A unit on the host: its flash, line, sensors, gyro and timer are made of memory.
+#![allow(dead_code, reason = "each test program uses its share")]
+
+use std::cell::{Cell, RefCell};
+use std::collections::VecDeque;
+use std::convert::Infallible;
+use std::rc::Rc;
+use std::sync::atomic::AtomicU32;
+
+use embedded_io::{ErrorType, Read, ReadReady, Write};
+use tempco_firmware::board::mps2_an386::nor::Nor;
+use tempco_firmware::table;
+use tempco_firmware::unit::devices::{
+    Devices, Gyro, Regions, ResetCause, SampleClock, Thermometers, Watchdog,
+};
+use tempco_firmware::unit::exchange::{Counts, Queues};
+use tempco_firmware::unit::storage::Storage;
+use tempco_firmware::unit::{
+    AXES, CHANNELS, IMAGE_LEN, Next, Parts, SERIAL, Sampling, Unit, UnitTables, scale,
+};
+use tempco_image::{AlignedBytes, Channel, ChannelHistory, Info, Unit as AxisUnit, encode};
+use tempco_link::{
+    Client, Event, Fault, FaultEntry, FaultSet, MAX_CHUNK, Refusal, Request, Response, Telemetry,
+};
+use tempco_replay::{Outcome, Schedule};
+use tempco_sensors::SensorFault;
+use tempco_store::Region;
+
+pub(crate) const REGIONS: Regions = Regions {
+    slots: [
+        Region {
+            start: 0,
+            len: 0x8000,
+        },
+        Region {
+            start: 0x8000,
+            len: 0x8000,
+        },
+    ],
+    faults: Region {
+        start: 0x1_0000,
+        len: 0x2000,
+    },
+    offsets: Region {
+        start: 0x1_2000,
+        len: 0x2000,
+    },
+};
+/// A twentieth of the unit's gyro rate and its rate of temperatures: tests of minutes are short.
+pub(crate) const SCHEDULE: Schedule = Schedule {
+    sample_rate_hz: 100.0,
+    samples_per_update: 10,
+};
+const FLASH_WORDS: usize = 0x1_4000 / 4;
+
+/// What lies outside the unit, and what outlives its resets.
+pub(crate) struct Bench {
+    pub(crate) flash: Vec<AtomicU32>,
+    pub(crate) readings: Rc<RefCell<Vec<Result<f32, SensorFault>>>>,
+    pub(crate) counts: Rc<Cell<i32>>,
+    pub(crate) fed: Rc<Cell<u32>>,
+    line: Line,
+    client: Client,
+}
+
+#[derive(Clone, Default)]
+struct Line {
+    to_unit: Rc<RefCell<VecDeque<u8>>>,
+    from_unit: Rc<RefCell<VecDeque<u8>>>,
+}
+
+impl ErrorType for Line {
+    type Error = Infallible;
+}
+
+impl ReadReady for Line {
+    fn read_ready(&mut self) -> Result<bool, Infallible> {
+        Ok(!self.to_unit.borrow().is_empty())
+    }
+}
+
+impl Read for Line {
+    fn read(&mut self, bytes: &mut [u8]) -> Result<usize, Infallible> {
+        let mut from = self.to_unit.borrow_mut();
+        let count = bytes.len().min(from.len());
+        for (place, byte) in bytes.iter_mut().zip(from.drain(..count)) {
+            *place = byte;
+        }
+        Ok(count)
+    }
+}
+
+impl Write for Line {
+    fn write(&mut self, bytes: &[u8]) -> Result<usize, Infallible> {
+        self.from_unit.borrow_mut().extend(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> Result<(), Infallible> {
+        Ok(())
+    }
+}
+
+struct Sensors(Rc<RefCell<Vec<Result<f32, SensorFault>>>>);
+
+impl<const C: usize> Thermometers<C> for Sensors {
+    const STUCK_AFTER: Option<u32> = Some(50);
+
+    fn read(&mut self) -> [Result<f32, SensorFault>; C] {
+        let mut readings = self.0.borrow_mut();
+        for reading in readings.iter_mut().flatten() {
+            // The noise of a good sensor; `stuck` readings lie where it is lost.
+            *reading = f32::from_bits(reading.to_bits() ^ u32::from(reading.abs() < 200.0));
+        }
+        std::array::from_fn(|channel| match readings[channel] {
+            // A stuck sensor is told by a reading far beyond any temperature.
+            Ok(temp_c) if temp_c > 1000.0 => Ok(temp_c - 1000.0),
+            reading => reading,
+        })
+    }
+}
+
+struct Counter(Rc<Cell<i32>>);
+
+impl<const C: usize, const A: usize> Gyro<C, A> for Counter {
+    fn counts(&mut self) -> [[i32; A]; C] {
+        [[self.0.get(); A]; C]
+    }
+
+    fn put(&mut self, _: &Outcome<C, A>) {}
+}
+
+struct Dog(Rc<Cell<u32>>);
+
+impl Watchdog for Dog {
+    fn start(&mut self, _: u32) {
+        self.0.set(0);
+    }
+
+    fn feed(&mut self) {
+        self.0.set(self.0.get() + 1);
+    }
+}
+
+/// Every sleep ends with an interrupt that is due.
+struct Timer<'t>(Rc<RefCell<Sampling<'t, Counter, CHANNELS, AXES>>>);
+
+struct Inside;
+
+impl SampleClock for Inside {
+    const COUNT_NS: u32 = 40;
+
+    fn since_interrupt(&self) -> u32 {
+        17
+    }
+
+    fn period(&self) -> u32 {
+        12_500
+    }
+
+    fn sleep(&self) -> u32 {
+        0
+    }
+
+    fn is_pending(&self) -> bool {
+        false
+    }
+
+    fn interrupt_now(&self) {}
+}
+
+impl SampleClock for Timer<'_> {
+    const COUNT_NS: u32 = 40;
+
+    fn since_interrupt(&self) -> u32 {
+        0
+    }
+
+    fn period(&self) -> u32 {
+        12_500
+    }
+
+    fn sleep(&self) -> u32 {
+        self.0.borrow_mut().interrupt(true, &Inside);
+        10_000
+    }
+
+    fn is_pending(&self) -> bool {
+        false
+    }
+
+    fn interrupt_now(&self) {
+        self.0.borrow_mut().interrupt(false, &Inside);
+    }
+}
+
+/// A boot under way, as a test steers it.
+pub(crate) trait Running {
+    /// One pass of the main loop.
+    fn pass(&mut self) -> Next;
+}
+
+impl<L, F, T, W, K, const C: usize, const A: usize> Running for Unit<'_, L, F, T, W, K, C, A>
+where
+    L: Read + ReadReady + Write,
+    F: embedded_storage::nor_flash::NorFlash,
+    T: Thermometers<C>,
+    W: Watchdog,
+    K: SampleClock,
+{
+    fn pass(&mut self) -> Next {
+        Unit::pass(self)
+    }
+}
+
+impl Bench {
+    /// A unit as it leaves the factory: its flash holds anything.
+    pub(crate) fn new() -> Self {
+        Self {
+            flash: (0..FLASH_WORDS).map(|_| AtomicU32::new(0)).collect(),
+            readings: Rc::new(RefCell::new(vec![Ok(25.0); CHANNELS])),
+            counts: Rc::default(),
+            fed: Rc::default(),
+            line: Line::default(),
+            client: Client::new(),
+        }
+    }
+
+    /// Runs a unit from its start until the test has done with it.
+    pub(crate) fn boot<R>(&mut self, test: impl FnOnce(&mut Self, &mut dyn Running) -> R) -> R {
+        self.boot_after(ResetCause::PowerOn, None, test)
+    }
+
+    pub(crate) fn boot_after<R>(
+        &mut self,
+        reset_cause: ResetCause,
+        crash: Option<u32>,
+        test: impl FnOnce(&mut Self, &mut dyn Running) -> R,
+    ) -> R {
+        let cells = std::mem::take(&mut self.flash);
+        let mut buffer = AlignedBytes([0; IMAGE_LEN]);
+        let mut scratch = AlignedBytes([0; IMAGE_LEN]);
+        let (storage, image) =
+            Storage::boot::<CHANNELS, AXES>(Nor(&cells), REGIONS, &mut buffer.0, &mut scratch.0)
+                .unwrap();
+        let tables: Option<UnitTables<CHANNELS, AXES>> =
+            image.as_ref().map(|image| image.tables().unwrap());
+        let table_crc = image.as_ref().map_or(0, |image| image.info().table_crc);
+        let counts = Counts::new();
+        let mut queues = Queues::new();
+        let (interrupt_ends, ends) = queues.split(&counts);
+        let offsets = storage.offsets(table_crc);
+        let sampling = Sampling::new(
+            Counter(self.counts.clone()),
+            interrupt_ends,
+            tables.as_ref(),
+            SCHEDULE,
+            scale(image.as_ref(), SCHEDULE.sample_rate_hz),
+            offsets,
+        );
+        let parts = Parts {
+            storage,
+            tables: tables.as_ref().map(|tables| (tables, table_crc)),
+            offsets,
+            ends,
+            clock: Timer(Rc::new(RefCell::new(sampling))),
+            schedule: SCHEDULE,
+            stack_is_sound: || true,
+        };
+        let devices = Devices {
+            link: self.line.clone(),
+            thermometers: Sensors(self.readings.clone()),
+            watchdog: Dog(self.fed.clone()),
+            reset_cause,
+        };
+        let mut unit = Unit::new(parts, devices, crash);
+        let result = test(self, &mut unit);
+        drop(unit);
+        self.flash = cells;
+        result
+    }
+
+    /// Lets time pass \[s\].
+    pub(crate) fn wait(&self, unit: &mut dyn Running, time_s: f32) {
+        for _ in 0..(time_s * SCHEDULE.sample_rate_hz) as u32 {
+            assert_eq!(unit.pass(), Next::GoOn);
+        }
+    }
+
+    /// Puts bytes on the line.
+    pub(crate) fn send(&self, bytes: &[u8]) {
+        self.line.to_unit.borrow_mut().extend(bytes);
+    }
+
+    /// Opens a session.
+    pub(crate) fn connect(&mut self, unit: &mut dyn Running) {
+        let hello = self.client.hello(1234).unwrap().to_vec();
+        self.send(&hello);
+        let opened = self.answer(unit, |response| matches!(response, Response::Hello { .. }));
+        assert!(opened.0, "a session");
+    }
+
+    /// Asks, and takes from the answer what the test needs; whether the unit goes on.
+    pub(crate) fn ask<R>(
+        &mut self,
+        unit: &mut dyn Running,
+        request: &Request,
+        read: impl FnOnce(&Response) -> R,
+    ) -> R {
+        let wire = self.client.request(request).unwrap().to_vec();
+        self.send(&wire);
+        self.answer(unit, read).0
+    }
+
+    /// Asks for what a unit does once it has answered.
+    pub(crate) fn ask_next(&mut self, unit: &mut dyn Running, request: &Request) -> Next {
+        let wire = self.client.request(request).unwrap().to_vec();
+        self.send(&wire);
+        self.answer(unit, |_| ()).1
+    }
+
+    pub(crate) fn answer<R>(
+        &mut self,
+        unit: &mut dyn Running,
+        read: impl FnOnce(&Response) -> R,
+    ) -> (R, Next) {
+        for _ in 0..1000 {
+            let next = unit.pass();
+            let bytes: Vec<u8> = self.line.from_unit.borrow_mut().drain(..).collect();
+            for byte in bytes {
+                if let Some(Event::Answer(response)) = self.client.receive(byte) {
+                    return (read(&response), next);
+                }
+            }
+        }
+        panic!("no answer");
+    }
+
+    pub(crate) fn done(
+        &mut self,
+        unit: &mut dyn Running,
+        request: &Request,
+    ) -> Result<(), Refusal> {
+        self.ask(unit, request, |response| match response {
+            Response::Done | Response::Expected { .. } => Ok(()),
+            Response::Refused(refusal) => Err(*refusal),
+            other => panic!("{other:?}"),
+        })
+    }
+
+    pub(crate) fn telemetry(&mut self, unit: &mut dyn Running) -> Telemetry {
+        let request = Request::Telemetry { period_ms: 0 };
+        self.ask(unit, &request, |response| match response {
+            Response::Telemetry(telemetry) => telemetry.clone(),
+            other => panic!("{other:?}"),
+        })
+    }
+
+    pub(crate) fn faults(&mut self, unit: &mut dyn Running) -> FaultSet {
+        self.telemetry(unit).faults
+    }
+
+    pub(crate) fn log(&mut self, unit: &mut dyn Running) -> Vec<(Fault, FaultEntry)> {
+        let mut all: Vec<FaultEntry> = Vec::new();
+        loop {
+            let from_code = all.last().map_or(0, |entry| entry.code + 1);
+            let more = self.ask(
+                unit,
+                &Request::Faults { from_code },
+                |response| match response {
+                    Response::Faults(faults) => faults.to_vec(),
+                    other => panic!("{other:?}"),
+                },
+            );
+            if more.is_empty() {
+                break;
+            }
+            all.extend(more);
+        }
+        let named = all
+            .into_iter()
+            .map(|entry| (Fault::from_code(entry.code).unwrap(), entry));
+        named.collect()
+    }
+
+    /// Writes an image and commits it.
+    pub(crate) fn upload(&mut self, unit: &mut dyn Running, image: &[u8]) -> Result<(), Refusal> {
+        let len = image.len() as u32;
+        self.done(unit, &Request::UploadBegin { len })?;
+        for (number, bytes) in image.chunks(MAX_CHUNK).enumerate() {
+            let offset = (number * MAX_CHUNK) as u32;
+            self.done(unit, &Request::UploadChunk { offset, bytes })?;
+        }
+        let crc = tempco_image::CRC.checksum(image);
+        self.done(unit, &Request::UploadCommit { len, crc })
+    }
+
+    /// A unit with a table in each slot, of which B is in use.
+    pub(crate) fn with_tables() -> Self {
+        let mut bench = Self::new();
+        for crc in [0xa, 0xb] {
+            bench.boot(|bench, unit| {
+                bench.connect(unit);
+                bench.upload(unit, &image(SERIAL, crc)).unwrap();
+            });
+        }
+        bench
+    }
+}
+
+/// The image of the table that the firmware was built with.
+pub(crate) fn image(serial: &str, table_crc: u32) -> Vec<u8> {
+    let [table] = &table::TABLES;
+    let channel = Channel {
+        thermal: *table.thermal().settings(),
+        first_edge_c: -15.0,
+        last_edge_c: 80.0,
+        t_min_c: -15.0,
+        t_max_c: 80.0,
+        units: AxisUnit::array(&[AxisUnit::PulsesPerS; AXES]),
+        cells: table.cells().as_flattened(),
+        history: ChannelHistory::NONE,
+    };
+    let info = Info {
+        serial,
+        table_crc,
+        continuous: false,
+    };
+    let mut bytes = vec![0; IMAGE_LEN];
+    let len = encode(&info, &[channel], &mut bytes).unwrap();
+    bytes.truncate(len);
+    bytes
+}

@@ -1,0 +1,463 @@
+//! The application on the host: boot, tables, faults, link.
+
+mod common;
+
+use std::sync::atomic::Ordering;
+
+use common::{Bench, SCHEDULE, image};
+use tempco::{Status, Validity};
+use tempco_firmware::unit::devices::ResetCause;
+use tempco_firmware::unit::{AXES, CHANNELS, Next, SERIAL};
+use tempco_link::{
+    Axes, Bank, Channels, Fault, FaultSet, Refusal, Request, Response, Sample, SampleBlock,
+};
+use tempco_replay::{Replay, Sample as ReplayedSample, Stream};
+use tempco_sensors::SensorFault;
+
+/// Time after which a unit has nothing more to remark \[s\].
+const SETTLED_S: f32 = 200.0;
+
+fn only(fault: Fault) -> FaultSet {
+    fault.into()
+}
+
+fn status(telemetry: &tempco_link::Telemetry) -> Status {
+    Status::from_bits(telemetry.outcome.channels[0].status)
+}
+
+#[test]
+fn a_unit_without_a_table_runs_uncompensated_and_says_so() {
+    let mut bench = Bench::new();
+    bench.counts.set(3);
+    bench.boot(|bench, unit| {
+        bench.connect(unit);
+        bench.wait(unit, 1.0);
+        let telemetry = bench.telemetry(unit);
+        assert_eq!(telemetry.faults, only(Fault::NoTable));
+        assert!(telemetry.faults.is_invalidating());
+        assert_eq!(status(&telemetry).validity(), Validity::Invalid);
+        assert_eq!(telemetry.raw, [300.0; AXES], "counts at 100 Hz");
+        assert_eq!(telemetry.outcome.compensated, telemetry.raw);
+        let bank = bench.ask(unit, &Request::Identify, |response| match response {
+            Response::Identity { bank, serial, .. } => (*bank, serial.to_string()),
+            other => panic!("{other:?}"),
+        });
+        assert_eq!(bank, (None, SERIAL.to_string()));
+        assert_eq!(
+            bench.done(
+                unit,
+                &Request::ReZero {
+                    averaging_s: 1,
+                    expected: Axes::new()
+                }
+            ),
+            Err(Refusal::Busy),
+            "nothing to be zeroed"
+        );
+    });
+}
+
+#[test]
+fn a_table_is_used_from_the_next_boot_on() {
+    let mut bench = Bench::new();
+    bench.boot(|bench, unit| {
+        bench.connect(unit);
+        assert_eq!(bench.upload(unit, &image("OTHER", 7)), Err(Refusal::Image));
+        bench.upload(unit, &image(SERIAL, 7)).unwrap();
+        bench.wait(unit, 0.2);
+        assert!(bench.faults(unit).contains(Fault::NoTable), "not yet");
+        // A unit resets once it has said that it will.
+        let wire = Request::Activate;
+        let next = bench.ask_next(unit, &wire);
+        assert_eq!(next, Next::Reset);
+    });
+    bench.boot(|bench, unit| {
+        bench.connect(unit);
+        bench.wait(unit, SETTLED_S);
+        let telemetry = bench.telemetry(unit);
+        assert_eq!(telemetry.faults, FaultSet::NONE);
+        assert_eq!(status(&telemetry), Status::OK);
+        assert!(telemetry.outcome.bias.iter().all(|bias| *bias != 0.0));
+        assert_eq!(telemetry.overruns, 0);
+        // 10,000 of 12,500 counts are spent asleep in each pass.
+        assert_eq!(telemetry.load_permille, 200);
+        assert_eq!(telemetry.latency_ns, 17 * 40);
+    });
+}
+
+/// Each fault of a sensor, what comes of it, and that it heals.
+#[test]
+fn faults_of_a_sensor_are_named_and_heal() {
+    let script = [
+        (Err(SensorFault::Open), Fault::SensorOpen),
+        (Err(SensorFault::Short), Fault::SensorShort),
+        (Err(SensorFault::Rail), Fault::SensorRail),
+        (Err(SensorFault::Bus), Fault::SensorBus),
+        // No news for long.
+        (Err(SensorFault::NotReady), Fault::SensorBus),
+        // A constant code; see the sensors of the bench.
+        (Ok(1025.0), Fault::SensorStuck),
+    ];
+    let mut bench = Bench::with_tables();
+    bench.boot(|bench, unit| {
+        bench.connect(unit);
+        bench.wait(unit, SETTLED_S);
+        for (count, (reading, fault)) in script.into_iter().enumerate() {
+            bench.readings.borrow_mut()[0] = reading;
+            bench.wait(unit, 7.0);
+            let telemetry = bench.telemetry(unit);
+            let expected = FaultSet::from(fault) | Fault::TemperatureRejected.into();
+            assert_eq!(telemetry.faults, expected, "{fault:?}");
+            assert_eq!(
+                status(&telemetry).validity(),
+                Validity::Degraded,
+                "{fault:?}"
+            );
+            assert!(telemetry.temps_c[0].is_nan(), "{fault:?}");
+            bench.wait(unit, 60.0);
+            let telemetry = bench.telemetry(unit);
+            assert!(
+                telemetry.faults.contains(Fault::TemperatureLost),
+                "{fault:?}"
+            );
+            assert_eq!(
+                status(&telemetry).validity(),
+                Validity::Invalid,
+                "{fault:?}"
+            );
+
+            bench.readings.borrow_mut()[0] = Ok(25.0);
+            bench.wait(unit, SETTLED_S);
+            let telemetry = bench.telemetry(unit);
+            assert_eq!(telemetry.faults, FaultSet::NONE, "{fault:?}");
+            assert_eq!(status(&telemetry), Status::OK, "{fault:?}");
+            let log = bench.log(unit);
+            let logged = log.iter().find(|(logged, _)| *logged == fault).unwrap();
+            // A bus that fails and a sensor without news are one fault.
+            let times = if count == 4 { 2 } else { 1 };
+            assert_eq!((logged.1.count, logged.1.boot), (times, 3), "{fault:?}");
+        }
+    });
+}
+
+#[test]
+fn temperatures_that_cannot_be_are_rejected() {
+    let mut bench = Bench::with_tables();
+    bench.boot(|bench, unit| {
+        bench.connect(unit);
+        bench.wait(unit, SETTLED_S);
+        for bad_c in [f32::NAN, f32::INFINITY, -200.0, 40.0] {
+            bench.readings.borrow_mut()[0] = Ok(bad_c);
+            bench.wait(unit, 0.2);
+            bench.readings.borrow_mut()[0] = Ok(25.0);
+            let telemetry = bench.telemetry(unit);
+            assert_eq!(
+                telemetry.faults,
+                only(Fault::TemperatureRejected),
+                "{bad_c}"
+            );
+            assert_eq!(status(&telemetry).validity(), Validity::Degraded, "{bad_c}");
+            bench.wait(unit, SETTLED_S);
+            assert_eq!(bench.faults(unit), FaultSet::NONE, "{bad_c}");
+        }
+        let telemetry = bench.telemetry(unit);
+        assert!(telemetry.rejected >= 4);
+        // Beyond the calibrated range, reached as a temperature can.
+        for step in 0..80 {
+            bench.readings.borrow_mut()[0] = Ok(25.0 + step as f32);
+            bench.wait(unit, 2.5);
+        }
+        assert!(bench.faults(unit).contains(Fault::OutOfRange));
+    });
+}
+
+#[test]
+fn a_damaged_table_is_found_while_running_and_the_other_is_used_after() {
+    let mut bench = Bench::with_tables();
+    let damage = |bench: &Bench, place: usize| {
+        bench.flash[place / 4].fetch_xor(0x10, Ordering::Relaxed);
+    };
+    bench.boot(|bench, unit| {
+        bench.connect(unit);
+        bench.wait(unit, 5.0);
+        assert!(!bench.faults(unit).contains(Fault::SpareTable));
+    });
+    damage(&bench, 0x8000 + 900);
+    let active = |bench: &mut Bench| {
+        bench.boot(|bench, unit| {
+            bench.connect(unit);
+            let faults = bench.ask(unit, &Request::Bit, |response| match response {
+                Response::Bit { faults } => *faults,
+                other => panic!("{other:?}"),
+            });
+            let identity = bench.ask(unit, &Request::Identify, |response| match response {
+                Response::Identity {
+                    bank, table_crc, ..
+                } => (*bank, *table_crc),
+                other => panic!("{other:?}"),
+            });
+            (faults, identity)
+        })
+    };
+    assert_eq!(
+        active(&mut bench),
+        (only(Fault::SpareTable), (Some(Bank::A), 0xa))
+    );
+    damage(&bench, 900);
+    let expected = only(Fault::SpareTable) | only(Fault::NoTable);
+    assert_eq!(active(&mut bench), (expected, (None, 0)));
+    // Anything at all in the flash: it boots.
+    for cell in &bench.flash {
+        cell.store(0x5a5a_5a5a, Ordering::Relaxed);
+    }
+    assert_eq!(active(&mut bench), (only(Fault::NoTable), (None, 0)));
+}
+
+#[test]
+fn the_periodic_check_finds_damage_in_the_table_in_use() {
+    let mut bench = Bench::with_tables();
+    let cells: *const _ = bench.flash.as_ptr();
+    bench.boot(|bench, unit| {
+        bench.connect(unit);
+        bench.wait(unit, 1.0);
+        // The flash is the unit's while it runs, and these cells are atomic.
+        // SAFETY: `boot` keeps the cells until the unit is gone; the place is within them.
+        #[allow(unsafe_code)]
+        let cell = unsafe { &*cells.add((0x8000 + 900) / 4) };
+        cell.fetch_xor(4, Ordering::Relaxed);
+        bench.wait(unit, 5.0);
+        let telemetry = bench.telemetry(unit);
+        assert!(telemetry.faults.contains(Fault::SpareTable));
+        // What was loaded and validated at boot is what runs.
+        assert!(!telemetry.faults.is_invalidating());
+    });
+}
+
+#[test]
+fn roll_back_is_a_selection_and_a_boot() {
+    let mut bench = Bench::with_tables();
+    let bank = |bench: &mut Bench| {
+        bench.boot(|bench, unit| {
+            bench.connect(unit);
+            let bank = bench.ask(unit, &Request::Identify, |response| match response {
+                Response::Identity { bank, .. } => *bank,
+                other => panic!("{other:?}"),
+            });
+            bench.done(unit, &Request::SelectBank(Bank::A)).unwrap();
+            let whole = image(SERIAL, 0xa);
+            let mut found = Vec::new();
+            while found.len() < whole.len() {
+                let request = Request::Download {
+                    bank: Bank::A,
+                    offset: found.len() as u32,
+                    len: 200,
+                };
+                let more = bench.ask(unit, &request, |response| match response {
+                    Response::Chunk { bytes, .. } => bytes.to_vec(),
+                    other => panic!("{other:?}"),
+                });
+                found.extend(more);
+            }
+            assert_eq!(found, whole);
+            bank
+        })
+    };
+    assert_eq!(bank(&mut bench), Some(Bank::B));
+    assert_eq!(bank(&mut bench), Some(Bank::A));
+}
+
+#[test]
+fn re_zero_takes_out_what_is_left_at_rest_and_is_kept() {
+    let mut bench = Bench::with_tables();
+    bench.counts.set(1);
+    let expected = Axes::from_slice(&[10.0; AXES]).unwrap();
+    bench.boot(|bench, unit| {
+        bench.connect(unit);
+        bench.wait(unit, SETTLED_S);
+        let request = Request::ReZero {
+            averaging_s: 20,
+            expected: expected.clone(),
+        };
+        bench.done(unit, &request).unwrap();
+        assert_eq!(bench.done(unit, &request), Err(Refusal::Busy));
+        bench.wait(unit, 21.0);
+        bench.telemetry(unit);
+        bench.wait(unit, 1.0);
+    });
+    // Kept over a reset, and never on top of itself.
+    for _ in 0..2 {
+        bench.boot(|bench, unit| {
+            bench.connect(unit);
+            bench.wait(unit, SETTLED_S);
+            bench.telemetry(unit);
+            bench.wait(unit, 1.0);
+            let telemetry = bench.telemetry(unit);
+            for (compensated, offset) in telemetry.outcome.compensated.iter().zip(&telemetry.offset)
+            {
+                assert!((compensated - 10.0).abs() < 1e-3, "{compensated}");
+                assert!((offset - 90.0).abs() < 1.0, "{offset}");
+            }
+        });
+    }
+    // Another table leaves another bias: its offsets are its own.
+    bench.boot(|bench, unit| {
+        bench.connect(unit);
+        bench.upload(unit, &image(SERIAL, 0xc)).unwrap();
+    });
+    bench.boot(|bench, unit| {
+        bench.connect(unit);
+        assert_eq!(bench.telemetry(unit).offset, [0.0; AXES]);
+    });
+}
+
+#[test]
+fn replays_are_those_of_the_host() {
+    let mut bench = Bench::with_tables();
+    bench.boot(|bench, unit| {
+        bench.connect(unit);
+        let whole = image(SERIAL, 0xb);
+        let mut place = tempco_image::AlignedBytes([0; 16384]);
+        place.0[..whole.len()].copy_from_slice(&whole);
+        let read = tempco_image::Image::read(&place.0).unwrap();
+        let tables = read.tables::<CHANNELS, AXES, 2, 1>().unwrap();
+        for _ in 0..2 {
+            bench.done(unit, &Request::Restart).unwrap();
+            let mut rows = Replay::new(&tables);
+            let mut stream = Stream::new(&tables, &SCHEDULE);
+            for number in 0..40_u8 {
+                let temps_c = [20.0 + f32::from(number)];
+                let raw = [[f32::from(number), 0.5, f32::NAN]];
+                let sample = ReplayedSample {
+                    dt_s: 1.0,
+                    temps_c,
+                    raw,
+                };
+                let expected = rows.step(&sample).channels[0];
+                let request = Request::Sample(Sample {
+                    dt_s: 1.0,
+                    temps_c: temps_c.into_iter().collect(),
+                    raw: raw[0].into_iter().collect(),
+                });
+                bench.ask(unit, &request, |response| {
+                    let Response::Outcome(outcome) = response else {
+                        panic!("{response:?}")
+                    };
+                    assert_eq!(outcome.compensated[..2], expected.compensated[..2]);
+                    assert_eq!(outcome.bias, expected.bias);
+                });
+
+                let block: Vec<[f32; 3]> = (0..80_u8).map(|i| [f32::from(i), -1.0, 2.0]).collect();
+                let mut bytes: Vec<u8> = Vec::new();
+                stream.temperatures(&temps_c);
+                let mut last = None;
+                for raw in &block {
+                    let outcome = stream.sample(&[*raw]);
+                    bytes.extend(
+                        outcome.channels[0]
+                            .compensated
+                            .iter()
+                            .flat_map(|v| v.to_le_bytes()),
+                    );
+                    last = Some(outcome);
+                }
+                let raw: Vec<u8> = block
+                    .iter()
+                    .flatten()
+                    .flat_map(|v| v.to_le_bytes())
+                    .collect();
+                let request = Request::Block(SampleBlock {
+                    temps_c: temps_c.into_iter().collect(),
+                    real_time: number % 2 == 0,
+                    raw: &raw,
+                });
+                bench.ask(unit, &request, |response| {
+                    let Response::Block(found) = response else {
+                        panic!("{response:?}")
+                    };
+                    assert_eq!(found.compensated, bytes);
+                    assert_eq!(found.bias, last.unwrap().channels[0].bias);
+                });
+            }
+        }
+        // Bad blocks are refused whole.
+        for (temps_c, raw) in [(2, 12), (0, 0), (0, 13), (1, 972)] {
+            let request = SampleBlock {
+                temps_c: Channels::from_slice(&[1.0, 2.0][..temps_c]).unwrap(),
+                real_time: false,
+                raw: &[0; 972][..raw],
+            };
+            let refused = bench.ask(unit, &Request::Block(request), |response| {
+                matches!(response, Response::Refused(Refusal::Unknown))
+            });
+            assert!(refused, "{temps_c} {raw}");
+        }
+        assert_eq!(bench.telemetry(unit).overruns, 0);
+    });
+}
+
+#[test]
+fn garbage_on_the_line_costs_itself() {
+    let mut bench = Bench::with_tables();
+    bench.boot(|bench, unit| {
+        bench.connect(unit);
+        bench.wait(unit, SETTLED_S);
+        let mut state = 1_u32;
+        for _ in 0..2000 {
+            let garbage: Vec<u8> = (0..100)
+                .map(|_| {
+                    state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                    (state >> 24) as u8
+                })
+                .collect();
+            bench.send(&garbage);
+            bench.wait(unit, 0.03);
+        }
+        bench.send(&[0]);
+        bench.wait(unit, 0.1);
+        let telemetry = bench.telemetry(unit);
+        assert!(
+            telemetry.dropped_frames > 500,
+            "{}",
+            telemetry.dropped_frames
+        );
+        assert_eq!(telemetry.faults, FaultSet::NONE);
+        assert_eq!(telemetry.overruns, 0);
+    });
+}
+
+#[test]
+fn why_the_unit_was_reset_is_in_the_log() {
+    let mut bench = Bench::with_tables();
+    for (cause, crash, fault, detail) in [
+        (ResetCause::Watchdog, None, Fault::WatchdogReset, 0),
+        (ResetCause::BrownOut, None, Fault::BrownOut, 0),
+        (ResetCause::Commanded, Some(0x1234), Fault::Crash, 0x1234),
+    ] {
+        bench.boot_after(cause, crash, |bench, unit| {
+            bench.connect(unit);
+            bench.wait(unit, 3.0);
+            assert!(
+                bench.faults(unit).contains(fault),
+                "it stays until the next reset"
+            );
+        });
+        bench.boot(|bench, unit| {
+            bench.connect(unit);
+            bench.wait(unit, 1.0);
+            assert!(!bench.faults(unit).contains(fault));
+            let log = bench.log(unit);
+            let logged = log.iter().find(|(logged, _)| *logged == fault).unwrap();
+            assert_eq!((logged.1.count, logged.1.detail), (1, detail), "{fault:?}");
+        });
+    }
+}
+
+#[test]
+fn the_watchdog_is_fed_twice_a_second() {
+    let mut bench = Bench::new();
+    let fed = bench.fed.clone();
+    bench.boot(|bench, unit| {
+        bench.wait(unit, 10.0);
+        assert!((18..=20).contains(&fed.get()), "{}", fed.get());
+    });
+}

@@ -1,0 +1,134 @@
+//! Tables into a unit, and out of it.
+
+use std::fmt;
+
+use tempco_image::{AlignedBytes, CRC, Image};
+use tempco_link::{Bank, MAX_CHUNK, Request, Response};
+
+use crate::{Error, Identity, Unit};
+
+/// No image is longer \[bytes\].
+const MOST_BYTES: usize = 1 << 18;
+
+/// What tables a unit is built for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shape {
+    /// Temperature channels.
+    pub channels: usize,
+    /// Axes of each channel.
+    pub axes: usize,
+}
+
+impl fmt::Display for Shape {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "{} temperature channel(s) of {} axes",
+            self.channels, self.axes
+        )
+    }
+}
+
+/// Writes the image of a table into the bank that is not in use, has the unit take it into use,
+/// waits for its boot and asks which table it runs on. `progress` gets the bytes written so far.
+///
+/// Whatever fails, the unit keeps a good table: the image counts only once it is whole, checked by
+/// the unit and committed.
+///
+/// # Errors
+/// An image that is damaged, of another unit or of another shape, before anything is written; a
+/// refusal of the unit; a unit that runs on another table after its reset.
+pub fn flash_set(
+    unit: &mut Unit,
+    image: &[u8],
+    mut progress: impl FnMut(usize),
+) -> Result<Identity, Error> {
+    let before = unit.identify()?;
+    let table_crc = check(image, &before)?;
+    let len = image.len() as u32;
+    expect(unit, &Request::UploadBegin { len }, 0)?;
+    for (number, bytes) in image.chunks(MAX_CHUNK).enumerate() {
+        let offset = number * MAX_CHUNK;
+        let end = offset + bytes.len();
+        let chunk = Request::UploadChunk {
+            offset: offset as u32,
+            bytes,
+        };
+        expect(unit, &chunk, end)?;
+        progress(end);
+    }
+    let crc = CRC.checksum(image);
+    unit.command(&Request::UploadCommit { len, crc })?;
+    unit.command(&Request::Activate)?;
+    unit.reconnect()?;
+    let after = unit.identify()?;
+    if after.table_crc == table_crc && after.bank.is_some() && after.bank != before.bank {
+        Ok(after)
+    } else {
+        Err(Error::NotInUse {
+            found: after.bank.map(|_| after.table_crc),
+        })
+    }
+}
+
+/// Checks the image and that it is the unit's; returns the CRC of its table.
+fn check(image: &[u8], unit: &Identity) -> Result<u32, Error> {
+    // Cells are used in place, which takes an aligned place.
+    let mut place = Box::new(AlignedBytes([0; MOST_BYTES]));
+    let room = place.0.get_mut(..image.len());
+    room.ok_or(tempco_image::ImageError::Field("total_len"))?
+        .copy_from_slice(image);
+    let image = Image::read(&place.0[..image.len()])?;
+    image.validate()?;
+    if image.info().serial != unit.serial {
+        return Err(Error::Serial {
+            table: image.info().serial.to_owned(),
+            unit: unit.serial.clone(),
+        });
+    }
+    let table = Shape {
+        channels: image.channels(),
+        axes: image.axes(),
+    };
+    let unit = Shape {
+        channels: unit.channels.into(),
+        axes: unit.axes.into(),
+    };
+    if table == unit {
+        Ok(image.info().table_crc)
+    } else {
+        Err(Error::Shape { table, unit })
+    }
+}
+
+/// Asks for what is answered by where the next chunk begins.
+fn expect(unit: &mut Unit, request: &Request, next: usize) -> Result<(), Error> {
+    unit.ask(request, |response| {
+        let is_next = matches!(response, Response::Expected { offset } if *offset as usize == next);
+        is_next.then_some(())
+    })
+}
+
+/// Reads the image in a bank; empty where there is none.
+///
+/// # Errors
+/// A refusal, and what a session can meet.
+pub fn download(unit: &mut Unit, bank: Bank) -> Result<Vec<u8>, Error> {
+    let mut image = Vec::new();
+    loop {
+        let from = image.len();
+        let request = Request::Download {
+            bank,
+            offset: from as u32,
+            len: MAX_CHUNK as u16,
+        };
+        let chunk = unit.ask(&request, |response| match response {
+            Response::Chunk { offset, bytes } if *offset as usize == from => Some(bytes.to_vec()),
+            _ => None,
+        })?;
+        if chunk.is_empty() {
+            return Ok(image);
+        }
+        image.extend(chunk);
+    }
+}

@@ -1,0 +1,331 @@
+//! A unit of one temperature channel and three axes that lives in a thread, behind a socket.
+#![allow(dead_code, reason = "each test program uses its share")]
+
+use std::io::{Read, Write};
+use std::os::unix::net::UnixStream;
+use std::sync::{Arc, Mutex};
+use std::thread;
+
+use tempco::{Table, Terms, ThermalSettings};
+use tempco_image::{
+    AlignedBytes, CRC, Channel, ChannelHistory, Image, Info, MAX_PLAYS, MAX_SLOW_PARTS, Unit,
+    encode,
+};
+use tempco_link::{
+    Bank, ChannelTelemetry, FaultEntry, Handler, MAX_FAULTS, Outcome, OutcomeBlock, Refusal,
+    Request, Response, Sample, SampleBlock, Server, Telemetry,
+};
+use tempco_replay::{Replay, Schedule, Stream};
+
+pub(crate) const SCHEDULE: Schedule = Schedule {
+    sample_rate_hz: 2000.0,
+    samples_per_update: 200,
+};
+
+type Tables = [Table<'static, 3, MAX_PLAYS, MAX_SLOW_PARTS>; 1];
+
+/// What the unit keeps when it is reset, and what a test may look at.
+#[derive(Debug, Default)]
+pub(crate) struct Flash {
+    pub(crate) serial: String,
+    pub(crate) banks: [Vec<u8>; 2],
+    /// The bank to boot with.
+    pub(crate) chosen: Option<usize>,
+    pub(crate) boots: u32,
+    /// Requests that were carried out.
+    pub(crate) done: usize,
+    /// Chunks after which the unit is reset without an answer.
+    pub(crate) reset_after: Option<usize>,
+    /// Takes a table and does not use it.
+    pub(crate) is_stubborn: bool,
+}
+
+/// What is lost with a reset.
+struct Running {
+    flash: Arc<Mutex<Flash>>,
+    in_use: Option<usize>,
+    tables: &'static Tables,
+    table_crc: u32,
+    replay: Replay<'static, 1, 3, MAX_PLAYS, MAX_SLOW_PARTS>,
+    stream: Stream<'static, 1, 3, MAX_PLAYS, MAX_SLOW_PARTS>,
+    upload: Vec<u8>,
+    chunks: usize,
+    answer: Vec<u8>,
+    telemetry: Telemetry,
+    period_ms: u32,
+    serial: String,
+    resets: Option<Reset>,
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Reset {
+    AfterAnswer,
+    AtOnce,
+}
+
+/// Tables live as long as a test.
+fn boot(flash: &Arc<Mutex<Flash>>) -> Running {
+    let mut kept = flash.lock().unwrap();
+    kept.boots += 1;
+    let image = kept.chosen.map(|bank| kept.banks[bank].clone());
+    let image = image.unwrap_or_else(|| image_of(&kept.serial, 0, 0.0));
+    let mut place = Box::new(AlignedBytes([0; 65_536]));
+    place.0[..image.len()].copy_from_slice(&image);
+    let image = Image::read(&Box::leak(place).0).unwrap();
+    let tables: &Tables = Box::leak(Box::new(image.tables().unwrap()));
+    Running {
+        flash: flash.clone(),
+        in_use: kept.chosen,
+        tables,
+        table_crc: image.info().table_crc,
+        replay: Replay::new(tables),
+        stream: Stream::new(tables, &SCHEDULE),
+        upload: Vec::new(),
+        chunks: 0,
+        answer: Vec::new(),
+        telemetry: Telemetry::default(),
+        period_ms: 0,
+        serial: kept.serial.clone(),
+        resets: None,
+    }
+}
+
+impl Handler for Running {
+    fn handle(&mut self, request: Request<'_>) -> Response<'_> {
+        let flash = self.flash.clone();
+        let mut flash = flash.lock().unwrap();
+        flash.done += 1;
+        let spare = 1 - self.in_use.unwrap_or(1);
+        match request {
+            Request::Identify => Response::Identity {
+                serial: &self.serial,
+                firmware: "simulated 1",
+                channels: 1,
+                axes: 3,
+                sample_rate_hz: SCHEDULE.sample_rate_hz,
+                samples_per_update: SCHEDULE.samples_per_update,
+                bank: self.in_use.map(|bank| [Bank::A, Bank::B][bank]),
+                table_crc: self.table_crc,
+                sequence: flash.boots,
+            },
+            Request::Telemetry { period_ms } => {
+                self.period_ms = period_ms;
+                Response::Telemetry(self.telemetry.clone())
+            }
+            Request::UploadBegin { .. } => {
+                self.upload.clear();
+                Response::Expected { offset: 0 }
+            }
+            Request::UploadChunk { offset, bytes } => {
+                let expected = self.upload.len() as u32;
+                if offset != expected {
+                    return Response::Refused(Refusal::Offset { expected });
+                }
+                self.upload.extend_from_slice(bytes);
+                self.chunks += 1;
+                if flash.reset_after == Some(self.chunks) {
+                    flash.reset_after = None;
+                    self.resets = Some(Reset::AtOnce);
+                }
+                Response::Expected {
+                    offset: self.upload.len() as u32,
+                }
+            }
+            Request::UploadCommit { len, crc } => {
+                if len as usize != self.upload.len() || crc != CRC.checksum(&self.upload) {
+                    return Response::Refused(Refusal::Image);
+                }
+                flash.banks[spare].clone_from(&self.upload);
+                if !flash.is_stubborn {
+                    flash.chosen = Some(spare);
+                }
+                Response::Done
+            }
+            Request::Activate => {
+                self.resets = Some(Reset::AfterAnswer);
+                Response::Done
+            }
+            Request::Download { bank, offset, len } => {
+                let image = &flash.banks[usize::from(bank == Bank::B)];
+                let from = image.len().min(offset as usize);
+                let to = image.len().min(from + usize::from(len));
+                self.answer = image[from..to].to_vec();
+                Response::Chunk {
+                    offset,
+                    bytes: &self.answer,
+                }
+            }
+            Request::Restart => {
+                self.replay = Replay::new(self.tables);
+                self.stream = Stream::new(self.tables, &SCHEDULE);
+                Response::Done
+            }
+            Request::Sample(sample) => self.sample(&sample),
+            Request::Block(block) => self.block(&block),
+            Request::Faults { from_code } => Response::Faults(
+                (from_code..11)
+                    .take(MAX_FAULTS)
+                    .map(|code| FaultEntry {
+                        code,
+                        count: 3,
+                        ..FaultEntry::default()
+                    })
+                    .collect(),
+            ),
+            _ => Response::Refused(Refusal::Unsupported),
+        }
+    }
+}
+
+impl Running {
+    fn sample(&mut self, sample: &Sample) -> Response<'_> {
+        let made = self.replay.step(&tempco_replay::Sample {
+            dt_s: sample.dt_s,
+            temps_c: sample.temps_c[..].try_into().unwrap(),
+            raw: [sample.raw[..].try_into().unwrap()],
+        });
+        Response::Outcome(outcome(&made))
+    }
+
+    fn block(&mut self, block: &SampleBlock) -> Response<'_> {
+        if let Ok(temps_c) = block.temps_c[..].try_into() {
+            self.stream.temperatures(&temps_c);
+        }
+        self.answer.clear();
+        let mut last = Outcome::default();
+        for sample in block.raw.chunks(12) {
+            let axis = |axis: usize| sample[4 * axis..][..4].try_into().unwrap();
+            let raw = std::array::from_fn(|number| f32::from_le_bytes(axis(number)));
+            last = outcome(&self.stream.sample(&[raw]));
+            for value in &last.compensated {
+                self.answer.extend(value.to_le_bytes());
+            }
+            self.telemetry.samples += 1;
+        }
+        Response::Block(OutcomeBlock {
+            channels: last.channels,
+            bias: last.bias,
+            compensated: &self.answer,
+        })
+    }
+}
+
+fn outcome(made: &tempco_replay::Outcome<1, 3>) -> Outcome {
+    let [channel] = &made.channels;
+    let telemetry = ChannelTelemetry {
+        effective_c: channel.effective_c,
+        rate_c_per_min: channel.rate_c_per_min,
+        status: channel.status as u16,
+    };
+    Outcome {
+        channels: std::iter::once(telemetry).collect(),
+        bias: channel.bias.into_iter().collect(),
+        compensated: channel.compensated.into_iter().collect(),
+    }
+}
+
+/// A wire that loses, damages and doubles bytes.
+pub(crate) struct Wire {
+    /// Bytes between two mishaps on average; 0 for none.
+    pub(crate) every: u32,
+    random: u32,
+}
+
+impl Wire {
+    pub(crate) const GOOD: Self = Self::new(0);
+
+    pub(crate) const fn new(every: u32) -> Self {
+        Self {
+            every,
+            random: 12_345,
+        }
+    }
+
+    fn carry(&mut self, bytes: &[u8]) -> Vec<u8> {
+        let carry = |byte: u8| {
+            // Numerical Recipes' generator, which is good enough here.
+            self.random = self
+                .random
+                .wrapping_mul(1_664_525)
+                .wrapping_add(1_013_904_223);
+            let random = self.random >> 8;
+            match random.checked_rem(self.every) {
+                Some(0) => {
+                    [vec![], vec![byte ^ 8], vec![byte, byte]][random as usize / 7 % 3].clone()
+                }
+                _ => vec![byte],
+            }
+        };
+        bytes.iter().copied().flat_map(carry).collect()
+    }
+}
+
+/// Puts a unit at the other end of the socket, until that is closed.
+pub(crate) fn serve(mut port: UnixStream, flash: Arc<Mutex<Flash>>, [mut to, mut from]: [Wire; 2]) {
+    let mut unit = boot(&flash);
+    let mut server = server(&flash);
+    let mut block = [0; 1024];
+    while let Ok(count @ 1..) = port.read(&mut block) {
+        for byte in to.carry(&block[..count]) {
+            let Some(answer) = server.receive(byte, &mut unit).map(<[u8]>::to_vec) else {
+                continue;
+            };
+            if unit.resets != Some(Reset::AtOnce) {
+                // The host may have gone.
+                _ = port.write_all(&from.carry(&answer));
+            }
+            if unit.resets.is_some() {
+                unit = boot(&flash);
+                server = self::server(&flash);
+            }
+            if unit.period_ms > 0 {
+                unit.telemetry.index += 1;
+                let telemetry = server.telemetry(unit.telemetry.clone());
+                _ = port.write_all(&from.carry(telemetry.unwrap_or_default()));
+            }
+        }
+    }
+}
+
+fn server(flash: &Mutex<Flash>) -> Server {
+    Server::new(flash.lock().unwrap().boots << 16)
+}
+
+/// A unit of a serial number in a thread; returns its socket and its flash.
+pub(crate) fn spawn(serial: &str, wires: [Wire; 2]) -> (UnixStream, Arc<Mutex<Flash>>) {
+    let (host, port) = UnixStream::pair().unwrap();
+    let flash = Arc::new(Mutex::new(Flash {
+        serial: serial.to_owned(),
+        ..Flash::default()
+    }));
+    let kept = flash.clone();
+    thread::spawn(move || serve(port, kept, wires));
+    (host, flash)
+}
+
+/// An image of a table whose biases are in proportion to `scale`.
+pub(crate) fn image_of(serial: &str, table_crc: u32, scale: f32) -> Vec<u8> {
+    let terms = Terms {
+        a: [scale, 0.3 * scale, -0.1 * scale],
+        r: [0.2 * scale, 0.05 * scale],
+    };
+    let cells = [terms; 3 * 40];
+    let channel = Channel {
+        thermal: ThermalSettings::DEFAULT,
+        first_edge_c: -40.0,
+        last_edge_c: 80.0,
+        t_min_c: -40.0,
+        t_max_c: 80.0,
+        units: Unit::array(&[Unit::Dph; 3]),
+        cells: &cells,
+        history: ChannelHistory::NONE,
+    };
+    let info = Info {
+        serial,
+        table_crc,
+        continuous: false,
+    };
+    let mut place = Box::new(AlignedBytes([0; 65_536]));
+    let len = encode(&info, &[channel], &mut place.0).unwrap();
+    place.0[..len].to_vec()
+}

@@ -1,0 +1,240 @@
+//! Sessions with a unit in this process, over good wires and bad ones.
+#![cfg(unix)]
+
+mod common;
+
+use std::path::Path;
+use std::time::Duration;
+
+use common::{SCHEDULE, Wire, image_of, spawn};
+use tempco_hil::{Error, Patience, Unit, download, flash_set, open, replay};
+use tempco_image::{AlignedBytes, Image};
+use tempco_link::{Bank, Request};
+use tempco_replay::Sample;
+
+const GOOD: [Wire; 2] = [Wire::GOOD, Wire::GOOD];
+/// A mishap in every third frame or so.
+fn bad() -> [Wire; 2] {
+    [Wire::new(900), Wire::new(1000)]
+}
+
+const IMPATIENT: Patience = Patience {
+    answer: Duration::from_millis(60),
+    tries: 20,
+    boot: Duration::from_secs(5),
+};
+
+fn connect(port: std::os::unix::net::UnixStream) -> Unit {
+    port.set_read_timeout(Some(Duration::from_millis(5)))
+        .unwrap();
+    Unit::connect(Box::new(port), IMPATIENT).unwrap()
+}
+
+#[test]
+fn a_table_goes_in_and_comes_out_again_over_good_and_bad_wires() {
+    for wires in [GOOD, bad()] {
+        let is_good = wires[0].every == 0;
+        let (port, flash) = spawn("SN1", wires);
+        let mut unit = connect(port);
+        assert_eq!(unit.identify().unwrap().bank, None);
+        for (round, bank) in [(1, Bank::A), (2, Bank::B), (3, Bank::A)] {
+            let image = image_of("SN1", round, round as f32);
+            let mut told = Vec::new();
+            let after = flash_set(&mut unit, &image, |bytes| told.push(bytes)).unwrap();
+            assert_eq!((after.table_crc, after.bank), (round, Some(bank)));
+            assert!(told.is_sorted() && told.last() == Some(&image.len()));
+            assert_eq!(download(&mut unit, bank).unwrap(), image);
+        }
+        let kept = flash.lock().unwrap();
+        assert_eq!(kept.boots, 4);
+        // Hello is not counted. Each request is carried out once, however often it was sent.
+        let (chunks, rounds) = (image_of("SN1", 1, 1.0).len().div_ceil(256), 3);
+        assert!(is_good || kept.done > 0);
+        assert_eq!(
+            kept.done,
+            1 + rounds * (1 + 1 + chunks + 1 + 1 + 1 + chunks + 1)
+        );
+    }
+}
+
+#[test]
+fn a_table_of_another_unit_or_shape_is_refused_before_anything_is_written() {
+    let (port, flash) = spawn("SN1", GOOD);
+    let mut unit = connect(port);
+    let good = image_of("SN1", 7, 1.0);
+    let mut damaged = good.clone();
+    damaged[300] ^= 1;
+    for (image, expected) in [
+        (
+            &image_of("SN2", 7, 1.0),
+            "the table is that of unit \"SN2\", but this is unit \"SN1\"",
+        ),
+        (
+            &damaged,
+            "the image of the table: the CRC of block 0 is wrong",
+        ),
+        (&good[..100].to_vec(), "the image of the table: 100 bytes"),
+        (&vec![0; 300_000], "the image of the table"),
+    ] {
+        let error = flash_set(&mut unit, image, |_| panic!("written")).unwrap_err();
+        assert!(error.to_string().contains(expected), "{error}");
+    }
+    assert_eq!(
+        flash.lock().unwrap().done,
+        4,
+        "the unit was only asked what it is"
+    );
+}
+
+#[test]
+fn a_unit_that_is_reset_in_mid_upload_ends_it_and_a_second_upload_succeeds() {
+    let (port, flash) = spawn("SN1", GOOD);
+    flash.lock().unwrap().reset_after = Some(3);
+    let mut unit = connect(port);
+    let image = image_of("SN1", 7, 1.0);
+    let error = flash_set(&mut unit, &image, |_| {}).unwrap_err();
+    assert!(matches!(error, Error::SessionLost { .. }), "{error}");
+    assert!(
+        error.to_string().contains("a chunk of an upload"),
+        "{error}"
+    );
+    assert_eq!(flash.lock().unwrap().chosen, None);
+    // The session is open again, and what does not depend on the old one needs no second try.
+    assert_eq!(unit.identify().unwrap().sequence, 2);
+    flash_set(&mut unit, &image, |_| {}).unwrap();
+}
+
+#[test]
+fn a_unit_that_does_not_use_its_new_table_is_told_of() {
+    let (port, flash) = spawn("SN1", GOOD);
+    flash.lock().unwrap().is_stubborn = true;
+    let mut unit = connect(port);
+    let error = flash_set(&mut unit, &image_of("SN1", 7, 1.0), |_| {}).unwrap_err();
+    assert!(error.to_string().contains("it runs on no table"), "{error}");
+}
+
+/// Samples with every kind of bad number.
+fn samples(count: usize) -> impl Iterator<Item = Sample<1, 3>> {
+    (0..count).map(|row| {
+        let mut raw = [0.5, -0.25, row as f32 * 1e-3];
+        let mut temp_c = 20.0 + row as f32 * 1e-3;
+        match row % 97 {
+            13 => raw[0] = -f32::NAN,
+            14 => raw[1] = f32::INFINITY,
+            15 => temp_c = f32::NAN,
+            16 => raw[2] = -0.0,
+            _ => {}
+        }
+        Sample {
+            dt_s: if row % 31 == 0 { 2.0 } else { 1.0 },
+            temps_c: [temp_c],
+            raw: [raw],
+        }
+    })
+}
+
+/// Replays over the tables in `image`, by rows and by blocks.
+fn replays(unit: &mut Unit, image: &[u8], count: usize) -> [replay::Comparison; 2] {
+    let mut place = Box::new(AlignedBytes([0; 65_536]));
+    place.0[..image.len()].copy_from_slice(image);
+    let tables = Image::read(&place.0)
+        .unwrap()
+        .tables::<1, 3, 2, 1>()
+        .unwrap();
+    let mut told = 0;
+    let rows = replay::by_row(unit, &tables, samples(count), |done| told = done).unwrap();
+    assert_eq!(told, count as u64);
+    let samples = samples(count);
+    let blocks = replay::by_block(unit, &tables, &SCHEDULE, false, samples, |done| told = done);
+    assert_eq!(told, count as u64);
+    [rows, blocks.unwrap()]
+}
+
+#[test]
+fn replays_find_no_difference_where_there_is_none_and_every_one_where_there_is() {
+    for wires in [GOOD, [Wire::new(8000), Wire::new(9000)]] {
+        let (port, _flash) = spawn("SN1", wires);
+        let mut unit = connect(port);
+        let image = image_of("SN1", 7, 1.0);
+        flash_set(&mut unit, &image, |_| {}).unwrap();
+        for comparison in replays(&mut unit, &image, 777) {
+            assert_eq!((comparison.samples, comparison.different), (777, 0));
+            assert_eq!(comparison.first, None);
+        }
+        // Nothing is left of the first replay, and samples were counted by the unit.
+        let [rows, blocks] = replays(&mut unit, &image, 500);
+        assert_eq!((rows.different, blocks.different), (0, 0));
+        assert_eq!(blocks.after.samples - blocks.before.samples, 500);
+        // Another table, and one whose numbers differ by their lowest bits: some of those are
+        // rounded away.
+        for (scale, least) in [(1.5, 500), (1.0 + f32::EPSILON, 100)] {
+            let other = image_of("SN1", 7, scale);
+            for comparison in replays(&mut unit, &other, 500) {
+                assert!(comparison.different >= least, "{comparison:?}");
+                assert_eq!(comparison.first, Some(0));
+            }
+        }
+    }
+}
+
+#[test]
+fn telemetry_between_answers_is_kept() {
+    let (port, _flash) = spawn("SN1", GOOD);
+    let mut unit = connect(port);
+    assert_eq!(unit.telemetry(50).unwrap().index, 0);
+    unit.identify().unwrap();
+    let mut indices = Vec::new();
+    while let Some(telemetry) = unit.wait_telemetry(Duration::from_millis(20)).unwrap() {
+        indices.push(telemetry.index);
+    }
+    assert_eq!(indices, [1, 2]);
+}
+
+#[test]
+fn the_whole_fault_log_is_read() {
+    let (port, _flash) = spawn("SN1", bad());
+    let faults = connect(port).faults().unwrap();
+    let codes: Vec<u16> = faults.iter().map(|entry| entry.code).collect();
+    assert_eq!(codes, Vec::from_iter(0..11));
+}
+
+#[test]
+fn refusals_silence_and_missing_ports_are_told_apart() {
+    let (port, _flash) = spawn("SN1", GOOD);
+    let mut unit = connect(port);
+    let error = unit.command(&Request::SelectBank(Bank::B)).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "the unit refused the choice of a bank: it cannot do this"
+    );
+
+    let (port, _silent) = std::os::unix::net::UnixStream::pair().unwrap();
+    port.set_read_timeout(Some(Duration::from_millis(5)))
+        .unwrap();
+    let patience = Patience {
+        answer: Duration::from_millis(10),
+        tries: 3,
+        ..IMPATIENT
+    };
+    let error = Unit::connect(Box::new(port), patience).err().unwrap();
+    assert!(matches!(error, Error::NoAnswer { tries: 3, .. }), "{error}");
+    assert!(
+        error
+            .to_string()
+            .starts_with("no answer to hello after 3 tries in 0.0 s"),
+        "{error}"
+    );
+
+    let (port, _) = std::os::unix::net::UnixStream::pair().unwrap();
+    let error = Unit::connect(Box::new(port), patience).err().unwrap();
+    assert!(matches!(error, Error::Closed | Error::Port(_)), "{error}");
+
+    let missing = Path::new("/nonexistent/ttyUSB9");
+    let error = open(missing, 115_200).err().unwrap();
+    assert!(
+        error
+            .to_string()
+            .starts_with("/nonexistent/ttyUSB9: No such file"),
+        "{error}"
+    );
+}

@@ -1,0 +1,216 @@
+//! A machine that runs an image in the background, with a line to its first UART.
+
+use std::io::Read;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread;
+use std::time::{Duration, Instant};
+use std::{env, fs};
+
+use serde_json::json;
+use tempfile::TempDir;
+
+use crate::qmp::Qmp;
+use crate::{Board, Error, log};
+
+/// QEMU is up long before.
+const START_LIMIT: Duration = Duration::from_secs(20);
+
+/// How a machine is run.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct MachineOptions {
+    /// Let virtual time pass by 2^n ns per instruction, which makes instructions countable;
+    /// without, time passes as it does on the host.
+    pub icount_shift: Option<u8>,
+    /// A file that stands for the memory that the machine has by option (16 MiB at 0x21000000 on
+    /// the MPS2 boards). It outlives the machine, as flash does, and others may read and write it
+    /// while the machine runs.
+    pub memory: Option<PathBuf>,
+    /// Further arguments of QEMU.
+    pub extra: Vec<String>,
+}
+
+/// A machine that runs, until it is dropped.
+pub struct Machine {
+    child: Child,
+    qmp: Qmp,
+    table: defmt_decoder::Table,
+    stdout: Collected,
+    /// Holds the sockets.
+    folder: TempDir,
+}
+
+impl Machine {
+    /// Starts a machine with an image. It is running when this returns, and the socket of its
+    /// first UART takes connections; the image may still be booting.
+    ///
+    /// # Errors
+    /// The image has no defmt strings, there is no QEMU, or it refuses the image or an argument.
+    pub fn start(elf: &Path, board: Board, options: &MachineOptions) -> Result<Self, Error> {
+        let elf = elf.canonicalize().map_err(Error::file(elf))?;
+        let table = log::table(&elf, &fs::read(&elf).map_err(Error::file(&elf))?)?;
+        let folder = tempfile::tempdir().map_err(Error::file(&env::temp_dir()))?;
+        let mut command = qemu(&elf, board, folder.path(), options);
+        let mut child = command.spawn().map_err(|cause| Error::Start {
+            program: "qemu-system-arm".to_owned(),
+            cause,
+        })?;
+        let stdout = Collected::of(child.stdout.take());
+        let stderr = Collected::of(child.stderr.take());
+        match control(&mut child, &folder.path().join("qmp"), &stderr) {
+            Ok(qmp) => Ok(Self {
+                child,
+                qmp,
+                table,
+                stdout,
+                folder,
+            }),
+            Err(error) => {
+                end(&mut child);
+                Err(error)
+            }
+        }
+    }
+
+    /// The socket of the first UART.
+    pub fn link(&self) -> PathBuf {
+        self.folder.path().join("link")
+    }
+
+    /// What the image logged so far, a message each.
+    pub fn log(&self) -> Vec<String> {
+        log::lines(&self.table, &self.stdout.so_far())
+    }
+
+    /// Resets the machine, as a reset pin does; what is in its memory stays.
+    ///
+    /// # Errors
+    /// QEMU has ended.
+    pub fn reset(&mut self) -> Result<(), Error> {
+        self.qmp.command("system_reset", json!({})).map(drop)
+    }
+
+    /// Reads physical memory.
+    ///
+    /// # Errors
+    /// QEMU has ended.
+    pub fn read_memory(&mut self, address: u32, len: usize) -> Result<Vec<u8>, Error> {
+        let path = self.folder.path().join("memory");
+        let arguments = json!({"val": address, "size": len, "filename": path});
+        self.qmp.command("pmemsave", arguments)?;
+        fs::read(&path).map_err(Error::file(&path))
+    }
+
+    /// Carries out a command of QEMU's monitor for people, such as `info registers`, and returns
+    /// what it prints.
+    ///
+    /// # Errors
+    /// QEMU has ended.
+    pub fn monitor(&mut self, command: &str) -> Result<String, Error> {
+        let arguments = json!({"command-line": command});
+        let printed = self.qmp.command("human-monitor-command", arguments)?;
+        Ok(printed.as_str().unwrap_or_default().to_owned())
+    }
+}
+
+/// As cutting the supply does: the image is not told.
+impl Drop for Machine {
+    fn drop(&mut self) {
+        end(&mut self.child);
+    }
+}
+
+fn end(child: &mut Child) {
+    // Both fail only where it has ended by itself.
+    _ = child.kill();
+    _ = child.wait();
+}
+
+fn qemu(elf: &Path, board: Board, folder: &Path, options: &MachineOptions) -> Command {
+    let mut machine = board.machine().to_owned();
+    let mut command = Command::new("qemu-system-arm");
+    if let Some(memory) = &options.memory {
+        machine += ",memory-backend=kept";
+        let path = escaped(memory);
+        let backend = format!("memory-backend-file,id=kept,size=16M,share=on,mem-path={path}");
+        command.args(["-object", &backend]);
+    }
+    let socket = |name: &str| format!("path={},server=on,wait=off", escaped(&folder.join(name)));
+    command
+        .args(["-machine", &machine, "-display", "none", "-monitor", "none"])
+        .args(["-chardev", &format!("socket,id=link,{}", socket("link"))])
+        .args(["-serial", "chardev:link"])
+        .args(["-chardev", &format!("socket,id=qmp,{}", socket("qmp"))])
+        .args(["-mon", "chardev=qmp,mode=control"])
+        .args(["-semihosting-config", "enable=on,target=native,arg=tempco"])
+        .arg("-kernel")
+        .arg(elf)
+        .args(&options.extra)
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped());
+    if let Some(shift) = options.icount_shift {
+        command.args(["-icount", &format!("shift={shift}")]);
+    }
+    command
+}
+
+/// A comma ends a value of QEMU's unless it is doubled.
+fn escaped(path: &Path) -> String {
+    path.to_string_lossy().replace(',', ",,")
+}
+
+/// Waits for the control socket.
+fn control(child: &mut Child, path: &Path, stderr: &Collected) -> Result<Qmp, Error> {
+    let start = Instant::now();
+    loop {
+        match Qmp::connect(path) {
+            Ok(greeted) => return greeted,
+            Err(cause) if start.elapsed() > START_LIMIT => return Err(Error::file(path)(cause)),
+            Err(_) => {}
+        }
+        if let Some(status) = child.try_wait().map_err(Error::file(path))? {
+            return Err(Error::Emulator {
+                status,
+                stderr: String::from_utf8_lossy(&stderr.whole()).into_owned(),
+            });
+        }
+        thread::sleep(Duration::from_millis(5));
+    }
+}
+
+/// What came out of a pipe so far; it is always read on, so that the child never waits for room.
+struct Collected {
+    bytes: Arc<Mutex<Vec<u8>>>,
+    reader: thread::JoinHandle<()>,
+}
+
+impl Collected {
+    fn of(pipe: Option<impl Read + Send + 'static>) -> Self {
+        let bytes = Arc::new(Mutex::new(Vec::new()));
+        let sink = bytes.clone();
+        let reader = thread::spawn(move || {
+            let mut block = [0; 4096];
+            let Some(mut pipe) = pipe else { return };
+            while let Ok(count @ 1..) = pipe.read(&mut block) {
+                let mut sink = sink.lock().unwrap_or_else(PoisonError::into_inner);
+                sink.extend_from_slice(&block[..count]);
+            }
+        });
+        Self { bytes, reader }
+    }
+
+    fn so_far(&self) -> Vec<u8> {
+        let bytes = self.bytes.lock();
+        bytes.unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// All, of a child that has ended.
+    fn whole(&self) -> Vec<u8> {
+        while !self.reader.is_finished() {
+            thread::sleep(Duration::from_millis(1));
+        }
+        self.so_far()
+    }
+}

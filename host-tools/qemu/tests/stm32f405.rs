@@ -1,0 +1,196 @@
+//! The STM32F405 as far as QEMU has one: set-up without clock control, the link with its receive
+//! interrupt, the sampling interrupt, the counters, and where the store lies in the flash; and the
+//! application on top of it, with a table out of that flash.
+#![cfg(unix)]
+
+mod support;
+
+use std::fs;
+use std::io::{Read, Write};
+use std::os::unix::net::UnixStream;
+use std::path::Path;
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use support::{WORKSPACE, example, image};
+use tempco_firmware::board::mps2_an386::nor::Nor;
+use tempco_firmware::board::stm32f405::store::{REGIONS, SECTOR, SECTORS};
+use tempco_hil::{Patience, Unit, open};
+use tempco_image::{AlignedBytes, Channel, ChannelHistory, Info, Unit as AxisUnit, encode};
+use tempco_link::Fault;
+use tempco_qemu::{Board, Machine, MachineOptions, Variant, build_variant};
+use tempco_store::Store;
+
+const BOARD: Board = Board::Stm32F405;
+const LIMIT: Duration = Duration::from_secs(20);
+
+/// Sector 6, where the memory file has the store.
+const STORE: u32 = 0x0804_0000;
+
+/// Words that a loader puts where fault log and offsets begin: sectors 8 and 10.
+const FAULTS: (u32, u32) = (0x0808_0000, 0x1234_5678);
+const OFFSETS: (u32, u32) = (0x080c_0000, 0x9abc_def0);
+
+/// QEMU's flash cannot be programmed by the image, but may hold anything at first.
+fn loader(path: &Path, address: u32) -> [String; 2] {
+    let path = path.display();
+    [
+        "-device".to_owned(),
+        format!("loader,file={path},addr={address:#x},force-raw=on"),
+    ]
+}
+
+fn wait_for(machine: &Machine, part: &str) -> Vec<String> {
+    let start = Instant::now();
+    loop {
+        let log = machine.log();
+        if log.iter().any(|line| line.contains(part)) {
+            return log;
+        }
+        assert!(start.elapsed() < LIMIT, "no `{part}` in {log:#?}");
+        thread::sleep(Duration::from_millis(5));
+    }
+}
+
+/// The numbers of a line.
+fn numbers(line: &str) -> Vec<i64> {
+    line.split(|c: char| !c.is_ascii_digit() && c != '-')
+        .filter_map(|word| word.parse().ok())
+        .collect()
+}
+
+#[test]
+fn the_board_comes_up_and_its_devices_answer() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut extra = Vec::new();
+    for (address, word) in [FAULTS, OFFSETS] {
+        let path = folder.path().join(format!("{word:x}"));
+        fs::write(&path, word.to_le_bytes()).unwrap();
+        let loader = format!(
+            "loader,file={},addr={address:#x},force-raw=on",
+            path.display()
+        );
+        extra.extend(["-device".to_owned(), loader]);
+    }
+    let options = MachineOptions {
+        extra,
+        ..MachineOptions::default()
+    };
+    let machine = Machine::start(&image(BOARD, "bringup", None), BOARD, &options).unwrap();
+
+    let log = wait_for(&machine, "info echo");
+    assert!(log[1].contains("clock Fixed, reset by PowerOn"), "{log:#?}");
+    for (line, (_, word)) in [(&log[4], FAULTS), (&log[5], OFFSETS)] {
+        assert!(line.ends_with(&format!("true {word:08x}")), "{log:#?}");
+    }
+    // There is no chip on the bus, before and after the time of a conversion.
+    let missing = log.iter().filter(|line| line.ends_with("Err(Bus)")).count();
+    assert_eq!(missing, 6, "{log:#?}");
+
+    // More than the queue of the interrupt holds.
+    let mut link = UnixStream::connect(machine.link()).unwrap();
+    link.set_read_timeout(Some(LIMIT)).unwrap();
+    let mut sent: Vec<u8> = (0..5000_u32).map(|i| (i % 255) as u8 + 1).collect();
+    sent.push(0);
+    link.write_all(&sent).unwrap();
+    let mut echo = vec![0; sent.len()];
+    link.read_exact(&mut echo).unwrap();
+    assert_eq!(echo, sent);
+
+    let log = wait_for(&machine, "info link");
+    let [.., counts, link] = log.as_slice() else {
+        panic!("{log:#?}")
+    };
+    assert_eq!(numbers(link), [0, 0, 0], "bytes were lost: {link}");
+    let [x, y, _, samples] = numbers(counts)[..] else {
+        panic!("{counts}")
+    };
+    println!("{counts}");
+    assert!(samples > 200, "{counts}");
+    // The timers count time, and the same one.
+    assert!(x > 0 && (x - y).abs() < x / 10, "{counts}");
+}
+
+/// The flash of a unit that was given the example table, byte by byte.
+fn store_with_example() -> Vec<u8> {
+    let [table] = &example::TABLES;
+    let channel = Channel {
+        thermal: *table.thermal().settings(),
+        first_edge_c: -15.0,
+        last_edge_c: 80.0,
+        t_min_c: -15.0,
+        t_max_c: 80.0,
+        units: AxisUnit::array(&[AxisUnit::PulsesPerS; 3]),
+        cells: table.cells().as_flattened(),
+        history: ChannelHistory::NONE,
+    };
+    let info = Info {
+        serial: example::SERIAL,
+        table_crc: example::CRC,
+        continuous: false,
+    };
+    let mut image = AlignedBytes([0; 16 * 1024]);
+    let len = encode(&info, &[channel], &mut image.0).unwrap();
+    let image = &image.0[..len];
+
+    // A model of flash with smaller sectors and longer words, which the layout does not depend on.
+    let cells: Vec<AtomicU32> = (0..SECTORS * SECTOR as usize / 4)
+        .map(|_| AtomicU32::new(u32::MAX))
+        .collect();
+    let flash = &mut Nor(&cells);
+    let [a, b] = REGIONS.slots;
+    let mut store = Store::new(flash, a, b).unwrap();
+    let mut buffer = AlignedBytes([0; 16 * 1024]);
+    store.boot(flash, &mut buffer.0, |_| Ok(()));
+    store.begin(flash, len as u32).unwrap();
+    store.write(flash, 0, image).unwrap();
+    let crc = Store::crc(image);
+    store
+        .commit(flash, len as u32, crc, &mut buffer.0, |_| Ok(()))
+        .unwrap();
+    let words = cells.iter().map(|cell| cell.load(Ordering::Relaxed));
+    words.flat_map(u32::to_le_bytes).collect()
+}
+
+/// What cannot be: the flash keeps nothing, there are no sensors, and the counters count time.
+#[test]
+fn the_application_takes_its_table_from_the_flash_and_serves_the_link() {
+    const APPLICATION: Variant = Variant {
+        name: "",
+        features: &["application"],
+        config: &[],
+    };
+    let unit = build_variant(&WORKSPACE, BOARD, "unit", None, &APPLICATION).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("store");
+    fs::write(&path, store_with_example()).unwrap();
+    let options = MachineOptions {
+        extra: loader(&path, STORE).to_vec(),
+        ..MachineOptions::default()
+    };
+    let machine = Machine::start(&unit, BOARD, &options).unwrap();
+
+    let port = open(&machine.link(), 921_600).unwrap();
+    let patience = Patience {
+        answer: Duration::from_millis(200),
+        tries: 100,
+        ..Patience::default()
+    };
+    let mut unit = Unit::connect(port, patience).unwrap();
+    let identity = unit.identify().unwrap();
+    assert_eq!(identity.serial, example::SERIAL);
+    assert_eq!(identity.table_crc, example::CRC);
+    assert!(identity.bank.is_some());
+
+    let first = unit.telemetry(0).unwrap();
+    thread::sleep(Duration::from_millis(200));
+    let second = unit.telemetry(0).unwrap();
+    println!("{second:?}");
+    assert!(second.samples > first.samples + 100, "{first:?} {second:?}");
+    assert_eq!(second.dropped_frames, 0);
+    assert!(second.raw.iter().all(|raw| raw.is_finite() && *raw != 0.0));
+    let faults = unit.built_in_test().unwrap();
+    println!("{faults:?}");
+    assert!(faults.contains(Fault::SensorBus) && !faults.contains(Fault::NoTable));
+}
