@@ -13,7 +13,8 @@
 //! - `logger`: where logs go
 //! - [`unit`]: the application of gyro electronics, with its sampling interrupt, link and store
 //! - `reset`, `sample_clock`, `stack`: what the application needs of a Cortex-M
-//! - `guard`: in place of `target` with the feature `link-guard`, a panic that does not link
+//! - `guard`: in place of `target` with the feature `link-guard`, a panic that does not link, and
+//!   calls of what must link with it
 //!
 //! The images are in `src/bin`. On the host they compile to programs that say so.
 #![no_std]

@@ -5,6 +5,8 @@
 pub mod browser;
 pub mod history;
 pub mod ln100;
+#[cfg(unix)]
+pub mod rig;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

@@ -6,7 +6,7 @@ use common::{Unit, ask, connected, events, feed, hello, wire};
 use proptest::collection::vec;
 use proptest::prelude::*;
 use tempco_image::CRC;
-use tempco_link::{Bank, Client, MAX_CHUNK, Request, Server, Telemetry};
+use tempco_link::{Axes, Bank, Client, MAX_CHUNK, Request, Server, Telemetry};
 
 #[test]
 fn a_session_from_hello_to_commit() {

@@ -47,6 +47,8 @@ pub struct Service<'t, F, T, K, const C: usize, const A: usize> {
     bias: Mean<C, A>,
     compensated: Mean<C, A>,
     last: Option<Moment<C, A>>,
+    /// Gyro samples when the first temperatures were sent to the interrupt.
+    started_at: Option<u32>,
     telemetry_index: u32,
     /// Compensated samples of the last block.
     block: Vec<u8, MAX_BLOCK>,
@@ -90,6 +92,7 @@ where
             bias: Mean::default(),
             compensated: Mean::default(),
             last: None,
+            started_at: None,
             telemetry_index: 0,
             block: Vec::new(),
         }
@@ -132,13 +135,25 @@ where
         for channel in channels {
             status |= channel.flags();
         }
+        self.last = Some(*moment);
+        if !self.is_started() {
+            return;
+        }
         for fault in faults_of(status).iter() {
             // Without a table the status says that there is no temperature, but there may be.
             if self.tables.is_some() || fault != Fault::TemperatureLost {
                 self.note(fault, u32::from(status.bits()));
             }
         }
-        self.last = Some(*moment);
+    }
+
+    /// Whether the interrupt has had temperatures for two updates; before, it is no fault that
+    /// there are none.
+    fn is_started(&self) -> bool {
+        let samples = self.ends.counts.samples();
+        let two_updates = 2 * u32::from(self.schedule.samples_per_update);
+        self.started_at
+            .is_some_and(|start| samples.wrapping_sub(start) > two_updates)
     }
 
     /// What was found at rest comes on top of what was taken out already. It takes effect once it
@@ -168,6 +183,7 @@ where
     /// Reads the thermometers, and sends their temperatures to the interrupt.
     pub(super) fn read_thermometers(&mut self) {
         if let Some(temps_c) = self.thermometry.read() {
+            self.started_at.get_or_insert(self.ends.counts.samples());
             // A full queue means that the interrupt does not come; the watchdog's matter.
             _ = self.ends.temperatures.enqueue(temps_c);
         }
@@ -319,8 +335,10 @@ where
 
     /// What the interrupt made of the next injected sample; none if it did not come in time.
     fn reply(&mut self, real_time: bool) -> Option<Replayed<C, A>> {
-        // The timer comes at once, or the period after.
-        for _ in 0..4 {
+        const LATEST: u32 = 4;
+        let from = self.ends.counts.samples();
+        // Other interrupts end a sleep too, so it is the gyro's samples that count.
+        while self.ends.counts.samples().wrapping_sub(from) < LATEST {
             if let Some(outcome) = self.ends.replies.dequeue() {
                 return Some(outcome);
             }

@@ -12,6 +12,7 @@ use tempco_fit::set::CoefficientSet;
 use crate::Verdict;
 use crate::output::{print, write_file};
 use crate::shared_args::SetAndLog;
+use crate::status::status_text;
 
 /// Compensate a log with a coefficient set, by the code that flies
 ///
@@ -71,17 +72,4 @@ fn to_csv(set: &CoefficientSet, log: &Log, applied: &Applied) -> Result<Vec<u8>>
         writeln!(out, ",{}", status_text(applied.status[row]))?;
     }
     Ok(out)
-}
-
-fn status_text(status: Status) -> String {
-    let names = Status::NAMES
-        .iter()
-        .filter(|(flag, _)| status.contains(*flag))
-        .map(|(_, name)| *name);
-    let text = names.collect::<Vec<_>>().join("+");
-    if text.is_empty() {
-        "ok".to_owned()
-    } else {
-        text
-    }
 }

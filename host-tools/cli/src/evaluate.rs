@@ -5,16 +5,16 @@ mod show;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
-use tempco_fit::load_set;
 use tempco_fit::metrics::{Evaluation, Role, evaluate};
 use tempco_fit::rerun::Reread;
 use tempco_fit::set::CoefficientSet;
 use tempco_report::{Judgement, Report, Subject};
 
 use crate::Verdict;
+use crate::image::is_image;
 use crate::output::{print, write_file};
 use crate::report::{Found, ensure_rereadable, gather, write_figures};
-use crate::shared_args::SetAndLog;
+use crate::shared_args::{SetAndLog, load_set_for};
 
 /// Judge a coefficient set on a log
 ///
@@ -59,10 +59,16 @@ pub(crate) fn run(args: &Args) -> Result<Verdict> {
         args.tau
     );
     if args.report.is_some() || args.figures.is_some() {
+        ensure!(
+            !is_image(&args.put.set),
+            "--report: {}: expected coefficients.json; an image has nothing of the fit to report on",
+            args.put.set.display()
+        );
         ensure_rereadable(std::slice::from_ref(&args.put.log))?;
     }
     let (set, log) = args.put.read()?;
-    let against = args.against.as_deref().map(load_set).transpose()?;
+    let against = args.against.as_deref();
+    let against = against.map(|set| load_set_for(set, &log)).transpose()?;
     let evaluation = evaluate(&set, &log, against.as_ref(), args.tau)
         .with_context(|| args.put.log.display().to_string())?;
     let found = Found {

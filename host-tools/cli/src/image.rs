@@ -1,4 +1,4 @@
-//! Shows a flash image, and compares it with the set it should be made from.
+//! Flash images as files: reads one, shows one, compares one with the set it should be made from.
 
 use std::fs;
 use std::path::Path;
@@ -6,7 +6,7 @@ use std::path::Path;
 use anyhow::{Context, Error, Result, ensure};
 use tempco_fit::load_set;
 use tempco_fit::set::table_bin;
-use tempco_image::{AlignedBytes, Channel, Image, Unit};
+use tempco_image::{AlignedBytes, Channel, Image, ImageError, Unit};
 
 use crate::Verdict;
 use crate::output::print;
@@ -14,31 +14,78 @@ use crate::output::print;
 /// No image is longer.
 const MOST_BYTES: usize = 1 << 18;
 
+/// Whether a set is a flash image, by the name of its file.
+pub(crate) fn is_image(set: &Path) -> bool {
+    set.extension().is_some_and(|name| name == "bin")
+}
+
+/// The bytes of an image at an aligned place, which it takes to use the cells in place.
+pub(crate) struct Placed {
+    place: Box<AlignedBytes<MOST_BYTES>>,
+    len: usize,
+}
+
+impl Placed {
+    /// Reads a file that holds an image and nothing else.
+    pub(crate) fn read(path: &Path) -> Result<Self> {
+        let name = path.display();
+        let bytes = fs::read(path).with_context(|| name.to_string())?;
+        ensure!(
+            bytes.len() <= MOST_BYTES,
+            "{name}: {} bytes: expected a flash image of at most {MOST_BYTES}",
+            bytes.len()
+        );
+        let placed = Self::of(&bytes);
+        let image = placed.image().with_context(|| name.to_string())?;
+        let len = image.bytes().len();
+        ensure!(
+            len == bytes.len(),
+            "{name}: {} bytes behind the image of {len}",
+            bytes.len() - len,
+        );
+        Ok(placed)
+    }
+
+    /// Places bytes that are an image.
+    pub(crate) fn of(bytes: &[u8]) -> Self {
+        let mut place = Box::new(AlignedBytes([0; MOST_BYTES]));
+        place.0[..bytes.len()].copy_from_slice(bytes);
+        Self {
+            place,
+            len: bytes.len(),
+        }
+    }
+
+    /// The bytes.
+    pub(crate) fn bytes(&self) -> &[u8] {
+        &self.place.0[..self.len]
+    }
+
+    /// The image, with its contents validated.
+    pub(crate) fn image(&self) -> Result<Image<'_>, ImageError> {
+        let image = Image::read(self.bytes())?;
+        image.validate().map(|()| image)
+    }
+}
+
+/// The image of a set: that in a file, or that which is made of `coefficients.json`.
+pub(crate) fn of_set(path: &Path) -> Result<Placed> {
+    if is_image(path) {
+        Placed::read(path)
+    } else {
+        let image = table_bin(&load_set(path)?).map_err(Error::msg)?;
+        Ok(Placed::of(&image))
+    }
+}
+
 pub(crate) fn inspect(path: &Path, against: Option<&Path>) -> Result<Verdict> {
     let name = path.display();
-    let bytes = fs::read(path).with_context(|| name.to_string())?;
-    ensure!(
-        bytes.len() <= MOST_BYTES,
-        "{name}: {} bytes: expected a flash image of at most {MOST_BYTES}",
-        bytes.len()
-    );
-    // The cells are used in place, which takes an aligned place.
-    let mut place = Box::new(AlignedBytes([0; MOST_BYTES]));
-    place.0[..bytes.len()].copy_from_slice(&bytes);
-    let checked = Image::read(&place.0[..bytes.len()])
-        .and_then(|image| image.validate().map(|()| image))
-        .with_context(|| name.to_string())?;
-    ensure!(
-        checked.bytes().len() == bytes.len(),
-        "{name}: {} bytes behind the image of {}",
-        bytes.len() - checked.bytes().len(),
-        checked.bytes().len()
-    );
-    show(&checked)?;
+    let placed = Placed::read(path)?;
+    show(&placed.image()?)?;
     let Some(set) = against else {
         return Ok(Verdict::Acceptable);
     };
-    let same = table_bin(&load_set(set)?).map_err(Error::msg)? == bytes;
+    let same = table_bin(&load_set(set)?).map_err(Error::msg)? == placed.bytes();
     if same {
         print(format_args!("the image is that of {}", set.display()))?;
     } else {

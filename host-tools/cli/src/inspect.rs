@@ -34,7 +34,7 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(args: &Args) -> Result<Verdict> {
-    if args.set.extension().is_some_and(|name| name == "bin") {
+    if image::is_image(&args.set) {
         ensure!(!args.json, "--json: expected with a coefficient set only");
         return image::inspect(&args.set, args.against.as_deref());
     }

@@ -5,16 +5,21 @@
 mod apply;
 mod batch;
 mod evaluate;
+mod faults;
 mod fit;
+mod flash_set;
 mod image;
 mod inspect;
+mod monitor;
 mod output;
+mod port_args;
 mod progress;
 mod replay;
 mod report;
 mod set_tables;
 mod shared_args;
 mod simulate;
+mod status;
 
 use std::process::ExitCode;
 
@@ -39,6 +44,9 @@ enum Command {
     Inspect(inspect::Args),
     Simulate(simulate::Args),
     Replay(replay::Args),
+    FlashSet(flash_set::Args),
+    Monitor(monitor::Args),
+    Faults(faults::Args),
 }
 
 /// Whether what was done is acceptable; the exit code tells.
@@ -66,6 +74,9 @@ fn main() -> ExitCode {
         Command::Inspect(args) => inspect::run(&args),
         Command::Simulate(args) => simulate::run(&args),
         Command::Replay(args) => replay::run(&args),
+        Command::FlashSet(args) => flash_set::run(&args),
+        Command::Monitor(args) => monitor::run(&args),
+        Command::Faults(args) => faults::run(&args),
     };
     match result {
         Ok(Verdict::Acceptable) => ExitCode::SUCCESS,

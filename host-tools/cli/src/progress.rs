@@ -1,4 +1,4 @@
-//! The progress of reading, on a terminal.
+//! The progress of what takes long, on a terminal.
 
 use std::io::{IsTerminal, stderr};
 use std::path::PathBuf;
@@ -6,26 +6,44 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-/// Reads that take less time than this need no bar.
+/// What takes less time than this needs no bar.
 const PATIENCE: Duration = Duration::from_secs(2);
 
-/// A bar over the bytes of one or more logs; it shows itself when reading takes longer than 2 s,
-/// and never if standard error is no terminal.
+/// A bar; it shows itself when the work takes longer than 2 s, and never if standard error is no
+/// terminal.
 pub(crate) struct Progress {
     bar: ProgressBar,
     can_show: bool,
 }
 
 impl Progress {
-    /// A bar for the logs at `paths`.
+    /// A bar over the bytes of one or more logs at `paths`.
     pub(crate) fn over<'a>(paths: impl IntoIterator<Item = &'a PathBuf>) -> Self {
         let lengths = paths.into_iter().filter_map(|path| path.metadata().ok());
-        let bar = ProgressBar::with_draw_target(
-            Some(lengths.map(|metadata| metadata.len()).sum()),
-            ProgressDrawTarget::hidden(),
-        );
-        let template =
-            "reading {bar:30} {bytes} of {total_bytes}, {bytes_per_sec}, {eta} remaining";
+        Self::new(
+            lengths.map(|metadata| metadata.len()).sum(),
+            "reading {bar:30} {bytes} of {total_bytes}, {bytes_per_sec}, {eta} remaining",
+        )
+    }
+
+    /// A bar over the bytes of an image that a unit takes.
+    pub(crate) fn over_upload(bytes: u64) -> Self {
+        Self::new(
+            bytes,
+            "writing {bar:30} {bytes} of {total_bytes}, {bytes_per_sec}, {eta} remaining",
+        )
+    }
+
+    /// A bar over the rows of a log that is replayed.
+    pub(crate) fn over_rows(rows: u64) -> Self {
+        Self::new(
+            rows,
+            "replaying {bar:30} {human_pos} of {human_len} rows, {per_sec}, {eta} remaining",
+        )
+    }
+
+    fn new(length: u64, template: &str) -> Self {
+        let bar = ProgressBar::with_draw_target(Some(length), ProgressDrawTarget::hidden());
         if let Ok(style) = ProgressStyle::with_template(template) {
             bar.set_style(style);
         }
@@ -35,12 +53,22 @@ impl Progress {
         }
     }
 
-    /// Notes that more bytes were read.
-    pub(crate) fn add(&self, bytes: u64) {
+    /// Notes that so much more was done.
+    pub(crate) fn add(&self, more: u64) {
+        self.show();
+        self.bar.inc(more);
+    }
+
+    /// Notes how much was done in all.
+    pub(crate) fn at(&self, done: u64) {
+        self.show();
+        self.bar.set_position(done);
+    }
+
+    fn show(&self) {
         if self.can_show && self.bar.is_hidden() && self.bar.elapsed() > PATIENCE {
             self.bar.set_draw_target(ProgressDrawTarget::stderr());
         }
-        self.bar.inc(bytes);
     }
 }
 

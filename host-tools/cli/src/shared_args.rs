@@ -2,20 +2,22 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Result, ensure};
+use anyhow::{Error, Result, ensure};
 use tempco_fit::digest::{LogDigest, Plan, digest_file};
 use tempco_fit::load_set;
 use tempco_fit::log::{AxisColumn, Log, Mapping, ReadOptions, TempColumn, read_log_observed};
 use tempco_fit::parallel;
-use tempco_fit::set::CoefficientSet;
+use tempco_fit::set::{CoefficientSet, set_of_image};
 use tempco_fit::unit::COLUMN_UNITS;
 
+use crate::image::{Placed, is_image};
 use crate::progress::Progress;
 
 /// A set, and a log it is put to.
 #[derive(clap::Args)]
 pub(crate) struct SetAndLog {
-    /// Coefficient set (coefficients.json)
+    /// Coefficient set (coefficients.json), or flash image (table.bin), whose axes are those of the
+    /// log in their order
     #[arg(value_name = "SET")]
     pub(crate) set: PathBuf,
     /// Log of the unit: CSV, as it is or packed by gzip or zstd, or Parquet
@@ -28,12 +30,32 @@ pub(crate) struct SetAndLog {
 impl SetAndLog {
     /// Reads both; pulses become angles by the scale factor of the set, unless another is given.
     pub(crate) fn read(&self) -> Result<(CoefficientSet, Log)> {
+        if is_image(&self.set) {
+            // Before the log, which may be long.
+            let image = Placed::read(&self.set)?;
+            let log = self.reading.read(&self.log, None)?;
+            return Ok((set_for(&self.set, &image, &log)?, log));
+        }
         let set = load_set(&self.set)?;
         let log = self
             .reading
             .read(&self.log, set.settings.scale_factor_arcsec)?;
         Ok((set, log))
     }
+}
+
+/// Reads a further set for a log: `coefficients.json`, or an image.
+pub(crate) fn load_set_for(path: &Path, log: &Log) -> Result<CoefficientSet> {
+    if is_image(path) {
+        set_for(path, &Placed::read(path)?, log)
+    } else {
+        Ok(load_set(path)?)
+    }
+}
+
+fn set_for(path: &Path, image: &Placed, log: &Log) -> Result<CoefficientSet> {
+    let set = set_of_image(&image.image()?, log);
+    set.map_err(|reason| Error::msg(format!("{}: {reason}", path.display())))
 }
 
 /// How to read a log whose columns are not named `time_s`, `temp_c` and `NAME_UNIT`.

@@ -1,7 +1,7 @@
 //! The images as they are flashed: what the core consists of, and the stack it takes.
 
 use tempco_elf::rules::{judge_image, judge_kernels, stack_without_failures};
-use tempco_qemu::guard::{VARIANTS, link, stack_used};
+use tempco_qemu::guard::{CORE, stack_used};
 use tempco_qemu::{Board, Workspace, build, ensure_qemu, ensure_target};
 
 const BOARD: Board = Board::Mps2An386;
@@ -28,8 +28,8 @@ fn steps_have_no_branch_on_data_no_loop_no_division_and_one_rounding_each() {
 #[test]
 fn an_image_of_the_core_has_no_panic_no_formatting_no_soft_double_and_a_bounded_stack() {
     let workspace = workspace();
-    for variant in VARIANTS {
-        let image = link(&workspace, BOARD, &variant).unwrap();
+    for variant in CORE.variants {
+        let image = CORE.link(&workspace, BOARD, &variant).unwrap();
         let judged = judge_image(&image).unwrap();
         let painted = stack_used(&image, BOARD).unwrap();
         println!("{}: {judged:#?}, painted {painted}", variant.name);

@@ -59,6 +59,12 @@ impl Board {
         }
     }
 
+    /// Whether the application runs on its machine. The STM32F405 has it too, but QEMU does not
+    /// emulate its flash.
+    pub const fn has_application(self) -> bool {
+        matches!(self, Self::Mps2An386)
+    }
+
     /// The Rust target of its images.
     pub const fn target(self) -> &'static str {
         match self {

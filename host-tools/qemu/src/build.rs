@@ -42,6 +42,13 @@ impl Variant {
         features: &[],
         config: &[],
     };
+
+    /// The application, image `unit`, with its logs.
+    pub const APPLICATION: Self = Self {
+        name: "application",
+        features: &["application", "log"],
+        config: &[],
+    };
 }
 
 /// Builds the firmware's binary `bin` for a board and returns the image's path.

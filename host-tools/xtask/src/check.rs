@@ -2,7 +2,7 @@
 
 use anyhow::{Result, ensure};
 use tempco_elf::rules::{judge_image, judge_kernels, stack_without_failures};
-use tempco_qemu::guard::{VARIANTS, link, stack_used};
+use tempco_qemu::guard::{CORE, UNIT, stack_used};
 use tempco_qemu::{Board, Workspace, build, ensure_qemu, ensure_target};
 
 const BOARD: Board = Board::Mps2An386;
@@ -66,8 +66,8 @@ fn images(workspace: &Workspace) -> Result<Vec<String>> {
         "variant", "links", "functions", "stack, static", "stack, painted"
     );
     let mut faults = Vec::new();
-    for variant in VARIANTS {
-        let image = link(workspace, BOARD, &variant)?;
+    for variant in CORE.variants {
+        let image = CORE.link(workspace, BOARD, &variant)?;
         let judged = judge_image(&image)?;
         let painted = stack_used(&image, BOARD)?;
         println!(
@@ -81,6 +81,11 @@ fn images(workspace: &Workspace) -> Result<Vec<String>> {
             ));
         }
         faults.extend(judged.faults);
+    }
+    println!("what a unit calls besides the core (image guard_unit)");
+    for variant in UNIT.variants {
+        let painted = stack_used(&UNIT.link(workspace, BOARD, &variant)?, BOARD)?;
+        println!("{:20} {:>10} {:>40} B", variant.name, "yes", painted);
     }
     let replay = stack_without_failures(&build(workspace, BOARD, "replay", None)?)?;
     println!("image replay, static, but for its failure paths: {replay} B");

@@ -28,7 +28,14 @@ pub(crate) fn run() -> Result<()> {
         ]
         .concat(),
         [
-            &["clippy", "--bin", "guard", "--locked"][..],
+            &[
+                "clippy",
+                "--bin",
+                "guard",
+                "--bin",
+                "guard_unit",
+                "--locked",
+            ][..],
             &["--features", "link-guard"],
             &firmware,
             &["--", "-D", "warnings"],

@@ -15,6 +15,7 @@ pub(super) fn show(evaluation: &Evaluation) -> Result<()> {
     let role = match log.role {
         Role::Training => "training log: the set was fitted to it",
         Role::Verification => "verification log: the set was not fitted to it",
+        Role::Unknown => "an image does not say what it was fitted to",
     };
     print(format_args!("{} ({} rows), {role}", log.file, log.rows))?;
 
@@ -49,10 +50,9 @@ pub(super) fn show(evaluation: &Evaluation) -> Result<()> {
         let header = ["axis", "overlap [degC]", "mismatch", "jump in table"];
         print(table(&header, rows))?;
     }
-    evaluation
-        .segments
-        .iter()
-        .try_for_each(|s| show_coverage(s))?;
+    let segments = evaluation.segments.iter();
+    let mut segments = segments.filter(|segments| !segments.is_empty());
+    segments.try_for_each(|s| show_coverage(s))?;
     if !evaluation.status_rows.is_empty() {
         let flags = evaluation.status_rows.iter();
         let flags: Vec<String> = flags.map(|(flag, rows)| format!("{flag} {rows}")).collect();

@@ -74,6 +74,8 @@ pub enum Role {
     Training,
     /// Its hash is not among them: the figures are out of sample.
     Verification,
+    /// The set does not say what it was fitted to, as that of a flash image.
+    Unknown,
 }
 
 /// Figures of one axis \[unit of the axis\].
@@ -222,7 +224,9 @@ fn judged_log(set: &CoefficientSet, log: &Log) -> JudgedLog {
         file: log.file.clone(),
         sha256: log.sha256.clone(),
         rows: log.rows(),
-        role: if inputs.any(|input| input.sha256 == log.sha256) {
+        role: if inputs.len() == 0 {
+            Role::Unknown
+        } else if inputs.any(|input| input.sha256 == log.sha256) {
             Role::Training
         } else {
             Role::Verification

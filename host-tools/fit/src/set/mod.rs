@@ -5,6 +5,7 @@ mod c_header;
 mod emit;
 mod history;
 mod image;
+mod of_image;
 mod provenance;
 mod table;
 
@@ -14,6 +15,7 @@ pub use emit::{table_rs, write_files};
 pub(crate) use history::level_history;
 pub use history::{PlayData, SlowPartData};
 pub use image::table_bin;
+pub use of_image::set_of_image;
 pub use provenance::{Input, Provenance, SignOff};
 pub(crate) use table::use_axis;
 pub use table::{TableData, TableUse, use_tables};

@@ -28,6 +28,7 @@ pub(super) fn provenance(subject: &Subject) -> Markup {
                         (match evaluation.log.role {
                             Role::Training => "a training log",
                             Role::Verification => "a verification log",
+                            Role::Unknown => "perhaps a training log",
                         })
                         ", SHA-256 " code { (evaluation.log.sha256) } }
                 }

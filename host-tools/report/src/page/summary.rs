@@ -63,6 +63,7 @@ fn why(subject: &Subject) -> String {
     let log = match subject.evaluation.map(|e| e.log.role) {
         Some(Role::Verification) => "a log the set has not seen",
         Some(Role::Training) => "a log the set was fitted to",
+        Some(Role::Unknown) => "a log the set may have been fitted to",
         None => "the logs the set was fitted to",
     };
     if list.is_empty() {

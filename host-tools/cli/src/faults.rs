@@ -1,0 +1,37 @@
+//! `tempco faults`: the fault log of a unit.
+
+use anyhow::Result;
+use tempco_link::Fault;
+
+use crate::Verdict;
+use crate::output::{print, table};
+use crate::port_args::PortArgs;
+
+/// Show the fault log of a unit: what occurred, how often, and when last
+#[derive(clap::Args)]
+pub(crate) struct Args {
+    #[command(flatten)]
+    port: PortArgs,
+}
+
+pub(crate) fn run(args: &Args) -> Result<Verdict> {
+    let faults = args.port.connect()?.faults()?;
+    if faults.is_empty() {
+        print("no fault has occurred")?;
+        return Ok(Verdict::Acceptable);
+    }
+    let rows = faults.iter().map(|entry| {
+        let name = Fault::from_code(entry.code).map_or("(of newer firmware)", Fault::name);
+        vec![
+            name.to_owned(),
+            entry.code.to_string(),
+            entry.count.to_string(),
+            entry.boot.to_string(),
+            entry.uptime_s.to_string(),
+            format!("{:#x}", entry.detail),
+        ]
+    });
+    let header = ["fault", "code", "times", "last in boot", "at [s]", "detail"];
+    print(table(&header, rows))?;
+    Ok(Verdict::Acceptable)
+}

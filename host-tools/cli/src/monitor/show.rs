@@ -1,0 +1,149 @@
+//! Telemetry for people.
+
+use std::io::{Write, stdout};
+
+use anyhow::Result;
+use tempco::Status;
+use tempco_hil::Identity;
+use tempco_link::{ChannelTelemetry, Telemetry};
+
+use crate::output::{figure, print, table};
+use crate::port_args::bank_name;
+use crate::status::status_text;
+
+/// Where messages are shown, and how.
+pub(super) struct View<'a> {
+    identity: &'a Identity,
+    is_live: bool,
+    /// Lines of the message before, to be written over.
+    lines: usize,
+}
+
+impl<'a> View<'a> {
+    pub(super) const fn new(identity: &'a Identity, is_live: bool) -> Self {
+        Self {
+            identity,
+            is_live,
+            lines: 0,
+        }
+    }
+
+    /// What stays the same.
+    pub(super) fn begin(&self) -> Result<()> {
+        let unit = self.identity;
+        let table = match unit.bank {
+            Some(bank) => format!("table {:08x}{}", unit.table_crc, bank_name(bank)),
+            None => "no table: it runs uncompensated".to_owned(),
+        };
+        print(format_args!(
+            "unit {}, {}, {} Hz, {} samples per temperature, {table}",
+            unit.serial,
+            unit.firmware,
+            unit.schedule.sample_rate_hz,
+            unit.schedule.samples_per_update
+        ))
+    }
+
+    pub(super) fn show(&mut self, telemetry: &Telemetry) -> Result<()> {
+        if !self.is_live {
+            return print(line(telemetry));
+        }
+        let text = self.block(telemetry);
+        let mut out = stdout().lock();
+        if self.lines > 0 {
+            // Up to where the last message began, and away with it.
+            write!(out, "\x1b[{}A\x1b[J", self.lines)?;
+        }
+        writeln!(out, "{text}")?;
+        self.lines = text.lines().count();
+        Ok(())
+    }
+
+    /// A message as tables.
+    fn block(&self, telemetry: &Telemetry) -> String {
+        let channels = telemetry.outcome.channels.iter().enumerate();
+        let channels = channels.map(|(number, channel)| {
+            let measured_c = telemetry.temps_c.get(number).copied().unwrap_or(f32::NAN);
+            vec![
+                number.to_string(),
+                format!("{measured_c:.3}"),
+                format!("{:.3}", channel.effective_c),
+                format!("{:+.3}", channel.rate_c_per_min),
+                status_text(Status::from_bits(channel.status)),
+            ]
+        });
+        let header = [
+            "channel",
+            "T [degC]",
+            "effective",
+            "T' [degC/min]",
+            "status",
+        ];
+        let thermal = table(&header, channels);
+        let value = |of: &[f32], axis: usize| of.get(axis).map_or(f64::NAN, |v| f64::from(*v));
+        let axes = (0..telemetry.raw.len()).map(|axis| {
+            let outcome = &telemetry.outcome;
+            let values = [
+                value(&telemetry.raw, axis),
+                value(&outcome.bias, axis),
+                value(&telemetry.offset, axis),
+                value(&outcome.compensated, axis),
+            ];
+            let mut row = vec![axis.to_string()];
+            row.extend(values.map(figure));
+            row
+        });
+        let axes = table(&["axis", "raw", "bias", "re-zero", "compensated"], axes);
+        format!("{thermal}\n{axes}\n{}", state(telemetry))
+    }
+}
+
+/// How the unit is.
+fn state(telemetry: &Telemetry) -> String {
+    format!(
+        "faults: {}\nmessage {}, {:.1} s after power-on; {} samples, {} temperatures rejected, {} \
+         overruns, {} frames dropped\nload {:.1} %, longest latency {:.1} us",
+        telemetry.faults,
+        telemetry.index,
+        f64::from(telemetry.uptime_ms) / 1000.0,
+        telemetry.samples,
+        telemetry.rejected,
+        telemetry.overruns,
+        telemetry.dropped_frames,
+        f64::from(telemetry.load_permille) / 10.0,
+        f64::from(telemetry.latency_ns) / 1000.0,
+    )
+}
+
+/// A message on one line.
+fn line(telemetry: &Telemetry) -> String {
+    let list = |values: &[f32]| {
+        let values: Vec<String> = values.iter().map(|v| figure(f64::from(*v))).collect();
+        values.join(" ")
+    };
+    let channels = &telemetry.outcome.channels;
+    let rate = |channel: &ChannelTelemetry| format!("{:+.3}", channel.rate_c_per_min);
+    let status = |channel: &ChannelTelemetry| status_text(Status::from_bits(channel.status));
+    let each = |text: &dyn Fn(&ChannelTelemetry) -> String| {
+        let texts: Vec<String> = channels.iter().map(text).collect();
+        texts.join(" ")
+    };
+    format!(
+        "{} {:.1} s: T {} degC, T' {} degC/min, raw {}, bias {}, compensated {}, status {}, \
+         faults: {}, overruns {}, rejected {}, dropped {}, load {:.1} %, latency {:.1} us",
+        telemetry.index,
+        f64::from(telemetry.uptime_ms) / 1000.0,
+        list(&telemetry.temps_c),
+        each(&rate),
+        list(&telemetry.raw),
+        list(&telemetry.outcome.bias),
+        list(&telemetry.outcome.compensated),
+        each(&status),
+        telemetry.faults,
+        telemetry.overruns,
+        telemetry.rejected,
+        telemetry.dropped_frames,
+        f64::from(telemetry.load_permille) / 10.0,
+        f64::from(telemetry.latency_ns) / 1000.0,
+    )
+}

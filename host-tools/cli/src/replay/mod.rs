@@ -1,0 +1,171 @@
+//! `tempco replay`: the same log through the firmware and through the host, bit by bit.
+
+mod hardware;
+mod semihosting;
+
+use std::path::PathBuf;
+use std::str::FromStr;
+
+use anyhow::{Error, Result, anyhow, ensure};
+use tempco_fit::apply::{ChannelInputs, inputs};
+use tempco_fit::log::Log;
+use tempco_fit::set::{CoefficientSet, table_bin, table_rs, write_files};
+use tempco_qemu::{Board, Variant, Workspace, build_variant, ensure_qemu, ensure_target_of};
+use tempco_replay::Sample;
+
+use crate::Verdict;
+use crate::image::Placed;
+use crate::output::print;
+use crate::port_args::BAUD;
+use crate::shared_args::SetAndLog;
+
+/// Run a log through the firmware and compare every result with the host, bit for bit
+///
+/// On the emulator, builds the firmware with the table of the set; for that it needs the sources
+/// of tempco. What is missing (compiler target, emulator) is installed. Where the board has the
+/// whole application, the set is written into it over its serial link, and the log goes the same
+/// way. A unit at a serial port must have the set already (tempco flash-set). Exits with 1 where a
+/// result differs.
+#[derive(clap::Args)]
+pub(crate) struct Args {
+    /// Where the firmware runs: `qemu` for the emulator, or the serial port of a unit
+    #[arg(long, value_name = "qemu|PORT")]
+    target: Target,
+    /// Of the emulator, the board to build for: mps2-an386, stm32f405, mps2-an500 or mps2-an505
+    #[arg(long, default_value = "mps2-an386")]
+    board: Board,
+    /// Baud rate of a serial port
+    #[arg(long, value_name = "N", default_value_t = BAUD)]
+    baud: u32,
+    /// At the pace of the unit's sampling interrupt, for a log of its sample rate; without, as
+    /// fast as it goes
+    #[arg(long)]
+    real_time: bool,
+    // Last, since what follows would stand under its heading.
+    #[command(flatten)]
+    put: SetAndLog,
+}
+
+#[derive(Clone)]
+enum Target {
+    Qemu,
+    Port(PathBuf),
+}
+
+impl FromStr for Target {
+    type Err = std::convert::Infallible;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        Ok(match text {
+            "qemu" => Self::Qemu,
+            port => Self::Port(port.into()),
+        })
+    }
+}
+
+pub(crate) fn run(args: &Args) -> Result<Verdict> {
+    let (set, log) = args.put.read()?;
+    let inputs = inputs(&set, &log)?;
+    let image = Placed::of(&table_bin(&set).map_err(Error::msg)?);
+    let replay = Replay {
+        set: &set,
+        log: &log,
+        inputs: &inputs,
+        image: &image,
+    };
+    let (differences, place) = match &args.target {
+        Target::Port(port) => hardware::at_port(&replay, port, args.baud, args.real_time)?,
+        Target::Qemu if args.board.has_application() => {
+            hardware::in_qemu(&replay, args.board, args.real_time)?
+        }
+        Target::Qemu => {
+            ensure!(
+                !args.real_time,
+                "--real-time: {} has no sampling interrupt: expected mps2-an386 or a serial port",
+                args.board
+            );
+            let differences = semihosting::in_qemu(&replay, args.board)?;
+            (differences, args.board.to_string())
+        }
+    };
+    print(format_args!(
+        "{} of {} samples differ between host and {place}",
+        differences.count,
+        log.rows()
+    ))?;
+    if let Some(row) = differences.first {
+        eprintln!(
+            "the first one that differs is row {} at {} s",
+            row + 1,
+            log.time_s[row]
+        );
+    }
+    Ok(Verdict::of(differences.count == 0))
+}
+
+/// What is replayed.
+struct Replay<'a> {
+    set: &'a CoefficientSet,
+    log: &'a Log,
+    inputs: &'a [ChannelInputs<'a>],
+    /// That of the set.
+    image: &'a Placed,
+}
+
+/// Rows of which the firmware made something else than the host.
+struct Differences {
+    count: usize,
+    first: Option<usize>,
+}
+
+impl Replay<'_> {
+    /// Temperature channels and axes of each.
+    fn shape(&self) -> (usize, usize) {
+        (self.inputs.len(), self.inputs[0].channel.axes.len())
+    }
+
+    /// The rows of the log as the firmware takes them.
+    fn samples<const C: usize, const A: usize>(&self) -> impl Iterator<Item = Sample<C, A>> {
+        let inputs = self.inputs;
+        let intervals_s = self.log.intervals_s().enumerate();
+        intervals_s.map(move |(row, dt_s)| Sample {
+            dt_s,
+            temps_c: std::array::from_fn(|channel| inputs[channel].temp_c[row]),
+            raw: std::array::from_fn(|channel| inputs[channel].row(row)),
+        })
+    }
+
+    /// Builds an image of the firmware for the set.
+    fn build(&self, board: Board, bin: &str, variant: &Variant) -> Result<PathBuf> {
+        let workspace = Workspace::find()?;
+        ensure_target_of(&workspace, board)?;
+        ensure_qemu(&workspace)?;
+        let folder = std::env::temp_dir().join(format!("tempco-replay-{}", std::process::id()));
+        write_files(&folder, &[("table.rs", table_rs(self.set).as_bytes())])?;
+        let table = folder.join("table.rs");
+        let image = build_variant(&workspace, board, bin, Some(&table), variant);
+        let _ = std::fs::remove_dir_all(&folder);
+        Ok(image?)
+    }
+}
+
+/// Calls a function with the channels and axes of a set as constants.
+macro_rules! for_shape {
+    ($shape:expr, $function:ident($($argument:expr),*)) => {
+        for_shape!(
+            $shape, $function($($argument),*),
+            (1, 1)(1, 2)(1, 3)(1, 4)(1, 5)(1, 6)(2, 1)(2, 2)(2, 3)(3, 1)(3, 2)(4, 1)(5, 1)(6, 1)
+        )
+    };
+    ($shape:expr, $function:ident $arguments:tt, $(($channels:literal, $axes:literal))+) => {
+        match $shape {
+            $(($channels, $axes) => $function::<$channels, $axes> $arguments,)+
+            (channels, axes) => Err($crate::replay::no_such_shape(channels, axes)),
+        }
+    };
+}
+use for_shape;
+
+fn no_such_shape(channels: usize, axes: usize) -> Error {
+    anyhow!("{channels} channels of {axes} axes: expected up to 6 axes")
+}

@@ -1,0 +1,151 @@
+//! A flash image as a set, for a log: an image has units and no names.
+
+use tempco::Terms;
+use tempco_image::{Channel, Image, ImageError, Unit};
+
+use super::{
+    AxisSet, ChannelSet, CoefficientSet, Model, PlayData, Provenance, Settings, SlowPartData,
+    TableData,
+};
+use crate::assemble;
+use crate::log::Log;
+use crate::segment::Overlap;
+use crate::unit::AxisUnit;
+
+impl From<Unit> for AxisUnit {
+    fn from(unit: Unit) -> Self {
+        match unit {
+            Unit::Dph => Self::Dph,
+            Unit::Dps => Self::Dps,
+            Unit::Radps => Self::Radps,
+            Unit::PulsesPerS => Self::PulsesPerS,
+            Unit::Mps2 => Self::Mps2,
+            Unit::G => Self::G,
+        }
+    }
+}
+
+/// The tables of an image as a set whose axes are those of `log`, in their order.
+///
+/// The set runs as the one that the image was made from; what only a fit knows (segments,
+/// polynomials, statistics, inputs) is empty in it.
+///
+/// # Errors
+/// Contents that the core refuses, a table CRC that does not belong to the numbers, and a log with
+/// other numbers of temperatures or axes, or with other units.
+pub fn set_of_image(image: &Image, log: &Log) -> Result<CoefficientSet, String> {
+    let explain = |error: ImageError| error.to_string();
+    image.validate().map_err(explain)?;
+    let found: Vec<usize> = log.channels.iter().map(|c| c.axes.len()).collect();
+    let expected = vec![image.axes(); image.channels()];
+    if found != expected {
+        return Err(format!(
+            "{}: temperature channels with {found:?} axes: the image has {expected:?}, to be \
+             taken in order (--temp and --axis choose columns)",
+            log.file
+        ));
+    }
+    let channels = log.channels.iter().enumerate().map(|(number, of_log)| {
+        let channel = image.channel(number).map_err(explain)?;
+        let axes = of_log.axes.iter().zip(channel.units.into_iter().flatten());
+        let axes = axes.map(|(axis, unit)| {
+            let unit = AxisUnit::from(unit);
+            if axis.unit == unit {
+                Ok(axis_set(&axis.name, unit))
+            } else {
+                Err(format!(
+                    "{}: axis `{}` is in {}, but the image expects {} (an image has no scale \
+                     factor: --scale-factor turns pulses into angles)",
+                    log.file,
+                    axis.name,
+                    axis.unit.name(),
+                    unit.name()
+                ))
+            }
+        });
+        Ok(ChannelSet {
+            temperature: of_log.column.clone(),
+            segments: Vec::new(),
+            axes: axes.collect::<Result<_, String>>()?,
+            table: table_data(&channel),
+            table_deviation: 0.0,
+            boundary_moved_c: 0.0,
+            screening: None,
+            selection: None,
+        })
+    });
+    let set = assemble::set(
+        image.info().serial.to_owned(),
+        Provenance {
+            tool: assemble::tool(),
+            created: assemble::now(),
+            inputs: Vec::new(),
+        },
+        Settings {
+            model: Model::Composite,
+            overlap: Overlap::None,
+            scale_factor_arcsec: None,
+        },
+        channels.collect::<Result<_, String>>()?,
+    );
+    let table_crc = image.info().table_crc;
+    if set.crc32() == table_crc {
+        Ok(set)
+    } else {
+        Err(format!(
+            "the image names table {table_crc:08x}, but the CRC of its numbers is {}: it was not \
+             written by `tempco fit`",
+            set.table_crc32
+        ))
+    }
+}
+
+fn axis_set(name: &str, unit: AxisUnit) -> AxisSet {
+    AxisSet {
+        name: name.to_owned(),
+        unit,
+        polynomials: Vec::new(),
+        sigmas: Vec::new(),
+        gains: Vec::new(),
+        noise: None,
+        held_out: None,
+        statistics: None,
+    }
+}
+
+fn table_data(channel: &Channel) -> TableData {
+    let axes = channel.axes();
+    let numbers = |terms: &Terms| {
+        let ([a0, a1, a2], [r0, r1]) = (terms.a, terms.r);
+        [a0, a1, a2, r0, r1]
+    };
+    TableData {
+        thermal: channel.thermal,
+        first_edge_c: channel.first_edge_c,
+        last_edge_c: channel.last_edge_c,
+        t_min_c: channel.t_min_c,
+        t_max_c: channel.t_max_c,
+        cells: channel
+            .cells
+            .chunks_exact(axes)
+            .map(|cell| cell.iter().map(numbers).collect())
+            .collect(),
+        plays: channel
+            .history
+            .plays()
+            .map(|play| PlayData {
+                half_width_c: play.half_width_c,
+                gain: play.gain[..axes].to_vec(),
+            })
+            .collect(),
+        slow_parts: channel
+            .history
+            .slow_parts()
+            .map(|part| SlowPartData {
+                tau_s: part.tau_s,
+                limit_c: part.limit_c,
+                gain: part.gain[..axes].to_vec(),
+            })
+            .collect(),
+    }
+}

@@ -1,0 +1,259 @@
+//! The image `unit` in the emulator: faults of sensors, line, flash and supply, and what it says
+//! of each.
+#![cfg(unix)]
+
+use std::io::Write;
+use std::thread;
+use std::time::Duration;
+
+use tempco::{Status, Validity};
+use tempco_hil::flash_set;
+use tempco_link::{Bank, Fault, FaultEntry, FaultSet, Request, Telemetry};
+use tempco_tests::rig::{Rig, SLOT_B, quick_table};
+
+fn validity(state: &Telemetry) -> Validity {
+    Status::from_bits(state.outcome.channels[0].status).validity()
+}
+
+/// A unit with the same table in both slots, settled.
+fn ready() -> Rig {
+    let mut rig = Rig::start();
+    for crc in [1, 2] {
+        flash_set(&mut rig.unit, &quick_table(crc), |_| {}).unwrap();
+    }
+    rig.temperature(25.0);
+    rig
+}
+
+/// A fault is noted at the reading and in the status at the next update.
+fn wait_for(rig: &mut Rig, fault: Fault, class: Validity) -> Telemetry {
+    rig.wait(6.0, fault.name(), |state| {
+        state.faults.contains(fault) && validity(state) == class
+    })
+}
+
+#[test]
+fn faults_of_a_sensor_have_their_status_and_heal() {
+    let mut rig = ready();
+    // The bench's temperature is constant to the bit, so this comes first: ten seconds.
+    rig.wait_for(Fault::SensorStuck, 20.0);
+    for (code, fault) in [
+        (1, Fault::SensorOpen),
+        (2, Fault::SensorShort),
+        (3, Fault::SensorRail),
+        (0, Fault::SensorBus),
+        (4, Fault::SensorBus),
+    ] {
+        rig.temperature(25.0 + code as f32 / 100.0);
+        rig.wait_until_well(12.0);
+        rig.sensor_fault(code);
+        let state = wait_for(&mut rig, fault, Validity::Degraded);
+        assert!(state.temps_c[0].is_nan(), "{fault:?}");
+    }
+    // Nothing for longer than the table's hold time.
+    let state = wait_for(&mut rig, Fault::TemperatureLost, Validity::Invalid);
+    assert!(state.faults.is_invalidating());
+
+    rig.temperature(25.2);
+    rig.wait_until_well(12.0);
+    rig.temperature(f32::NAN);
+    wait_for(&mut rig, Fault::TemperatureRejected, Validity::Degraded);
+    rig.temperature(25.3);
+    rig.wait_until_well(12.0);
+    // A spike: one reading among good ones, 100 ms apart.
+    let before = rig.telemetry().rejected;
+    rig.temperature(60.0);
+    thread::sleep(Duration::from_millis(150));
+    rig.temperature(25.4);
+    wait_for(&mut rig, Fault::TemperatureRejected, Validity::Degraded);
+    let state = rig.wait_until_well(12.0);
+    assert!(
+        (1..=3).contains(&(state.rejected - before)),
+        "{}",
+        state.rejected
+    );
+
+    // Everything is in the log, and still is after a reset.
+    let log = rig.unit.faults().unwrap();
+    rig.machine.reset().unwrap();
+    rig.unit.reconnect().unwrap();
+    assert_eq!(rig.unit.faults().unwrap().len(), log.len());
+    for fault in [
+        Fault::SensorStuck,
+        Fault::SensorOpen,
+        Fault::SensorShort,
+        Fault::SensorRail,
+        Fault::SensorBus,
+        Fault::TemperatureLost,
+        Fault::TemperatureRejected,
+    ] {
+        assert!(
+            log.iter().any(|entry| entry.code == fault.code()),
+            "{fault:?}"
+        );
+    }
+}
+
+#[test]
+fn a_damaged_flash_falls_back_to_the_other_table_and_then_to_none() {
+    let mut rig = ready();
+    rig.damage(SLOT_B + 200);
+    // Found while it runs, and the running table is the one that was validated at boot.
+    let state = rig.wait_for(Fault::SpareTable, 5.0);
+    assert!(!state.faults.contains(Fault::NoTable));
+    for (place, bank, crc) in [(None, Some(Bank::A), 1), (Some(200), None, 0)] {
+        if let Some(place) = place {
+            rig.damage(place);
+        }
+        rig.machine.reset().unwrap();
+        rig.unit.reconnect().unwrap();
+        let identity = rig.unit.identify().unwrap();
+        assert_eq!((identity.bank, identity.table_crc), (bank, crc));
+        let faults = rig.unit.built_in_test().unwrap();
+        assert!(faults.contains(Fault::SpareTable));
+        assert_eq!(faults.contains(Fault::NoTable), bank.is_none());
+    }
+    // Uncompensated, and saying so.
+    rig.counts(3);
+    let state = rig.wait(2.0, "counts", |state| state.raw[0] == 6000.0);
+    assert_eq!(state.outcome.compensated, state.raw);
+    assert_eq!(validity(&state), Validity::Invalid);
+    // A table brings it back.
+    flash_set(&mut rig.unit, &quick_table(7), |_| {}).unwrap();
+    assert_eq!(rig.unit.identify().unwrap().table_crc, 7);
+}
+
+#[test]
+fn a_main_loop_that_hangs_is_reset_by_the_watchdog() {
+    let mut rig = ready();
+    rig.wait(3.0, "running", |state| state.samples > 200);
+    rig.stop();
+    thread::sleep(Duration::from_millis(500));
+    rig.unit.reconnect().unwrap();
+    let state = rig.telemetry();
+    assert!(
+        state.faults.contains(Fault::WatchdogReset),
+        "{:?}",
+        state.faults
+    );
+    assert_eq!(rig.unit.identify().unwrap().table_crc, 2);
+    let log = rig.unit.faults().unwrap();
+    let entry = log
+        .iter()
+        .find(|entry| entry.code == Fault::WatchdogReset.code());
+    assert_eq!(entry.unwrap().count, 1);
+}
+
+/// The fault log, but for what comes of the bench: its temperature is constant, and a busy host lets
+/// an idle machine's time jump.
+fn log_of(rig: &mut Rig) -> Vec<FaultEntry> {
+    let of_the_bench = [
+        Fault::SensorStuck,
+        Fault::TemperatureRejected,
+        Fault::TemperatureLost,
+        Fault::Overrun,
+    ];
+    let mut log = rig.unit.faults().unwrap();
+    log.retain(|entry| !of_the_bench.iter().any(|fault| fault.code() == entry.code));
+    log
+}
+
+/// `TEMPCO_GARBAGE` says how many megabytes; the usual run takes a small share of one.
+#[test]
+fn garbage_on_the_line_does_no_harm() {
+    let bytes = match std::env::var("TEMPCO_GARBAGE") {
+        Ok(megabytes) => megabytes.parse::<usize>().unwrap() << 20,
+        Err(_) => 20_000,
+    };
+    let mut rig = ready();
+    let log = log_of(&mut rig);
+    let mut state = 1_u64;
+    let mut left = bytes;
+    while left > 0 {
+        let block: Vec<u8> = (0..left.min(4096))
+            .map(|_| {
+                state = state
+                    .wrapping_mul(6_364_136_223_846_793_005)
+                    .wrapping_add(1);
+                // Every eighth byte ends a frame.
+                if state >> 61 == 0 {
+                    0
+                } else {
+                    (state >> 33) as u8
+                }
+            })
+            .collect();
+        rig.line.write_all(&block).unwrap();
+        left -= block.len();
+    }
+    let state = rig.telemetry();
+    assert!(
+        state.dropped_frames as usize > bytes / 20,
+        "{}",
+        state.dropped_frames
+    );
+    assert_eq!(log_of(&mut rig), log, "nothing new");
+    assert_eq!(rig.unit.identify().unwrap().table_crc, 2);
+    assert_eq!(
+        rig.unit
+            .built_in_test()
+            .unwrap()
+            .without(Fault::SensorStuck.into()),
+        FaultSet::NONE
+    );
+}
+
+/// `TEMPCO_BROWN_OUTS` says how many; the usual run makes a few.
+#[test]
+fn a_brown_out_at_any_instant_leaves_a_table() {
+    let times = match std::env::var("TEMPCO_BROWN_OUTS") {
+        Ok(times) => times.parse().unwrap(),
+        Err(_) => 30,
+    };
+    let mut rig = ready();
+    let mut newest = 2;
+    let (mut old, mut new, mut idle) = (0, 0, 0);
+    let mut state = 7_u64;
+    for number in 0..times {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1);
+        let next = 3 + number;
+        let image = quick_table(next);
+        // From before the first request to behind the commit.
+        let cut_us = (state >> 33) % 30_000;
+        let uploaded = rig.cut_during(Duration::from_micros(cut_us), |unit| {
+            let len = image.len() as u32;
+            unit.ask(&Request::UploadBegin { len }, |_| Some(()))?;
+            for (part, bytes) in image.chunks(64).enumerate() {
+                let offset = part as u32 * 64;
+                unit.ask(&Request::UploadChunk { offset, bytes }, |_| Some(()))?;
+            }
+            let crc = tempco_image::CRC.checksum(&image);
+            unit.command(&Request::UploadCommit { len, crc })
+        });
+        let identity = rig.unit.identify().unwrap();
+        assert!(
+            identity.bank.is_some(),
+            "after {number} brown-outs: no table"
+        );
+        if identity.table_crc == newest {
+            old += 1;
+        } else {
+            assert_eq!(
+                identity.table_crc, next,
+                "neither the old table nor the new one"
+            );
+            new += 1;
+        }
+        idle += usize::from(uploaded.is_ok());
+        newest = identity.table_crc;
+    }
+    println!("{times} brown-outs: {old} old table, {new} new table, {idle} behind the commit");
+    assert!(
+        times < 30 || (old > 0 && new > 0),
+        "{old} {new}: cut elsewhere"
+    );
+    let faults = rig.unit.built_in_test().unwrap();
+    assert!(!faults.contains(Fault::NoTable) && !faults.contains(Fault::KnownAnswer));
+}
