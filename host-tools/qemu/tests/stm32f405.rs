@@ -32,6 +32,11 @@ const STORE: u32 = 0x0804_0000;
 const FAULTS: (u32, u32) = (0x0808_0000, 0x1234_5678);
 const OFFSETS: (u32, u32) = (0x080c_0000, 0x9abc_def0);
 
+/// The timers of the axes x, y, z.
+const TIM2: u32 = 0x4000_0000;
+const TIM5: u32 = 0x4000_0c00;
+const TIM4: u32 = 0x4000_0800;
+
 /// QEMU's flash cannot be programmed by the image, but may hold anything at first.
 fn loader(path: &Path, address: u32) -> [String; 2] {
     let path = path.display();
@@ -78,6 +83,25 @@ fn check_counts(line: &str) {
     }
 }
 
+/// QEMU has the registers of encoder mode without the mode: both inputs are captured, both count, and
+/// the counters wrap at their full width.
+fn check_encoders(machine: &mut Machine) {
+    for (timer, width) in [(TIM2, u32::MAX), (TIM5, u32::MAX), (TIM4, 0xffff)] {
+        let mut register = |offset| {
+            let bytes = machine.read_memory(timer + offset, 4).unwrap();
+            u32::from_le_bytes(bytes.try_into().unwrap())
+        };
+        let [cr1, smcr, ccmr1, ccer, arr] = [0x00, 0x08, 0x18, 0x20, 0x2c].map(&mut register);
+        assert_eq!(cr1 & 1, 1, "{timer:#x} is off");
+        assert_eq!(
+            (smcr & 7, ccmr1, ccer & 0x33),
+            (3, 0x0101, 0x11),
+            "{timer:#x}"
+        );
+        assert_eq!(arr, width, "{timer:#x}");
+    }
+}
+
 #[test]
 fn the_board_comes_up_and_its_devices_answer() {
     let folder = tempfile::tempdir().unwrap();
@@ -97,7 +121,7 @@ fn the_board_comes_up_and_its_devices_answer() {
         extra,
         ..MachineOptions::default()
     };
-    let machine = Machine::start(&image(BOARD, "bringup", None), BOARD, &options).unwrap();
+    let mut machine = Machine::start(&image(BOARD, "bringup", None), BOARD, &options).unwrap();
 
     let log = wait_for(&machine, "info echo");
     assert!(log[1].contains("clock Fixed, reset by PowerOn"), "{log:#?}");
@@ -108,6 +132,7 @@ fn the_board_comes_up_and_its_devices_answer() {
     let missing = log.iter().filter(|line| line.ends_with("Err(Bus)")).count();
     assert_eq!(missing, 6, "{log:#?}");
     check_counts(&log[12]);
+    check_encoders(&mut machine);
 
     // More than the queue of the interrupt holds.
     let mut link = UnixStream::connect(machine.link()).unwrap();
