@@ -10,7 +10,7 @@
 //! - `flash`, [`store`]: six sectors for tables and logs
 //! - `gyro`: counters and the data-ready pin
 //! - `output`, [`frame`]: every sample to USART6 by DMA
-//! - `sensors`: platinum resistors on SPI1
+//! - `sensors`, [`sensor`]: platinum resistors on SPI1
 //! - `watchdog`: the independent watchdog
 //! - [`reset`]: why the chip started
 //!
@@ -40,6 +40,7 @@
 
 pub mod frame;
 pub mod reset;
+pub mod sensor;
 pub mod store;
 
 #[cfg(all(target_os = "none", feature = "board-stm32f405"))]

@@ -18,7 +18,7 @@ use tempco_firmware::board::mps2_an386::nor::Nor;
 use tempco_firmware::board::stm32f405::store::{REGIONS, SECTOR, SECTORS};
 use tempco_hil::{Patience, Unit, open};
 use tempco_image::{AlignedBytes, Channel, ChannelHistory, Info, Unit as AxisUnit, encode};
-use tempco_link::Fault;
+use tempco_link::{Fault, Request};
 use tempco_qemu::{Board, Machine, MachineOptions, Variant, build_variant};
 use tempco_store::Store;
 
@@ -230,4 +230,10 @@ fn the_application_takes_its_table_from_the_flash_and_serves_the_link() {
     let faults = unit.built_in_test().unwrap();
     println!("{faults:?}");
     assert!(faults.contains(Fault::SensorBus) && !faults.contains(Fault::NoTable));
+
+    unit.command(&Request::Activate).unwrap();
+    unit.reconnect().unwrap();
+    let third = unit.telemetry(0).unwrap();
+    assert_eq!(third.index, first.index, "it did not start anew");
+    assert_eq!(unit.identify().unwrap().table_crc, example::CRC);
 }
