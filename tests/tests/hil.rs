@@ -114,7 +114,7 @@ fn a_set_goes_into_the_emulated_unit_and_logs_through_it_bit_for_bit() {
         .collect();
     assert_eq!(messages.len(), 3, "{out}");
     assert_eq!(messages[0]["raw"].as_array().unwrap().len(), 3, "{out}");
-    assert_eq!(messages[0]["overruns"], 0);
+    assert!(messages[0]["load_permille"].as_u64() < Some(1000), "{out}");
     assert!(messages[0]["fault_names"].is_array());
     let faults = bench.ok(&format!("faults --port {port}"));
     assert!(faults.contains("fault"), "{faults}");
