@@ -10,9 +10,11 @@
 //! - [`kernels`]: the functions whose instructions the `bench` image counts
 //! - `measure`: counts instructions in QEMU; only on a target
 //! - `target`: semihosting, panics and faults; only on a target
+//! - `logger`: where logs go
 //! - [`unit`]: the application of gyro electronics, with its sampling interrupt, link and store
 //! - `reset`, `sample_clock`, `stack`: what the application needs of a Cortex-M
-//! - `guard`: in place of `target` with the feature `link-guard`, a panic that does not link
+//! - `guard`: in place of `target` with the feature `link-guard`, a panic that does not link, and
+//!   calls of what must link with it
 //!
 //! The images are in `src/bin`. On the host they compile to programs that say so.
 #![no_std]
@@ -32,6 +34,14 @@ pub mod golden;
 pub mod guard;
 pub mod history;
 pub mod kernels;
+#[cfg(all(
+    target_os = "none",
+    any(
+        all(feature = "application", feature = "log"),
+        not(any(feature = "application", feature = "link-guard"))
+    )
+))]
+mod logger;
 #[cfg(target_os = "none")]
 pub mod measure;
 #[cfg(all(target_os = "none", feature = "application"))]

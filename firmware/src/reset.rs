@@ -6,9 +6,6 @@ use core::sync::atomic::{AtomicU32, Ordering};
 use cortex_m::peripheral::SCB;
 use cortex_m_rt::{ExceptionFrame, exception};
 
-#[cfg(feature = "log")]
-use defmt_semihosting as _;
-
 /// Why the program resets the processor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reason {

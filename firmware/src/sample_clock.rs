@@ -58,10 +58,6 @@ impl SampleClock for SysTick {
         })
     }
 
-    fn is_pending(&self) -> bool {
-        SCB::is_pendst_pending()
-    }
-
     fn interrupt_now(&self) {
         SCB::set_pendst();
         asm::dsb();

@@ -1,14 +1,13 @@
 //! What only a target has: logs, files and an exit through semihosting; panics and faults.
 //!
-//! There is one way out for logs, defmt over semihosting's standard output. Printing there by any
-//! other means would corrupt its frames.
+//! There is one way out for logs, defmt over semihosting's standard output (`logger`). Printing
+//! there by any other means would corrupt its frames.
 
 mod failure;
 mod files;
 
-// Linked for what they define: the defmt logger, and the critical section it needs.
+// Linked for what it defines: the critical section that the logger needs.
 use cortex_m as _;
-use defmt_semihosting as _;
 
 pub use files::{Argument, FileError, Input, Output, arguments};
 

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::Write;
 use std::os::unix::fs::FileExt;
 use std::os::unix::net::UnixStream;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 use std::thread;
 use std::time::{Duration, Instant};
@@ -14,7 +14,8 @@ use tempco_hil::{Error, Patience, Unit};
 use tempco_image::{Channel, ChannelHistory, Info, Unit as AxisUnit, encode};
 use tempco_link::{Fault, FaultSet, Telemetry};
 use tempco_qemu::{
-    Board, Machine, MachineOptions, Variant, Workspace, build_variant, ensure_qemu, ensure_target,
+    Board, Machine, MachineOptions, MachineTime, Variant, Workspace, build_variant, ensure_qemu,
+    ensure_target,
 };
 
 /// Where slot B of the flash begins \[bytes\].
@@ -51,6 +52,17 @@ impl Rig {
     /// # Panics
     /// If any of it fails.
     pub fn start() -> Self {
+        let time = MachineTime::Counted {
+            shift: ICOUNT_SHIFT,
+        };
+        Self::with(&image(), time)
+    }
+
+    /// As [`start`](Self::start), with another image or another time.
+    ///
+    /// # Panics
+    /// If any of it fails.
+    pub fn with(image: &Path, time: MachineTime) -> Self {
         let folder = tempfile::tempdir().expect("a folder");
         let bench = folder.path().join("bench");
         let memory = folder.path().join("flash");
@@ -59,13 +71,13 @@ impl Rig {
             bench.display()
         );
         let options = MachineOptions {
-            icount_shift: Some(ICOUNT_SHIFT),
+            time,
             memory: Some(memory.clone()),
             extra: ["-chardev", &chardev, "-serial", "chardev:bench"]
                 .map(str::to_owned)
                 .to_vec(),
         };
-        let machine = Machine::start(&image(), Board::Mps2An386, &options).expect("a machine");
+        let machine = Machine::start(image, Board::Mps2An386, &options).expect("a machine");
         let bench = UnixStream::connect(&bench).expect("the bench");
         let line = UnixStream::connect(machine.link()).expect("the line");
         line.set_read_timeout(Some(Duration::from_millis(5)))

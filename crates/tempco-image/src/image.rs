@@ -1,12 +1,12 @@
 //! Reads an image where it lies.
 
-use tempco::{MAX_CELLS, Table, Terms};
+use tempco::{MAX_CELLS, Table, Terms, ThermalSettings};
 use zerocopy::{F32, FromBytes, LittleEndian};
 
 use crate::check::{check_block, split};
 use crate::layout::{
     CHANNEL_LEN, CONTINUOUS, HEADER_CRC_AT, HEADER_LEN, RawChannel, RawHeader, TERMS_LEN,
-    history_len, settings_from_array,
+    history_len,
 };
 use crate::{
     CRC, Channel, ChannelHistory, FORMAT, ImageError, MAGIC, MAX_AXES, MAX_PLAYS, MAX_SLOW_PARTS,
@@ -135,7 +135,7 @@ impl<'a> Image<'a> {
         let cells = rest.get(begin..end).ok_or(CELLS)?;
         let cells = <[Terms]>::ref_from_bytes(cells).map_err(|_| ImageError::Alignment)?;
         let channel = Channel {
-            thermal: settings_from_array(head.thermal.map(F32::<LittleEndian>::get)),
+            thermal: ThermalSettings::from_array(head.thermal.map(F32::<LittleEndian>::get)),
             first_edge_c: head.first_edge_c.get(),
             last_edge_c: head.last_edge_c.get(),
             t_min_c: head.t_min_c.get(),

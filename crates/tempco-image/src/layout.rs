@@ -55,7 +55,8 @@ pub(crate) struct RawHeader {
 #[derive(FromBytes, IntoBytes, KnownLayout, Immutable, Unaligned)]
 #[repr(C)]
 pub(crate) struct RawChannel {
-    pub(crate) thermal: [F32; 11],
+    /// In the order of [`ThermalSettings::NAMES`].
+    pub(crate) thermal: [F32; ThermalSettings::NAMES.len()],
     pub(crate) first_edge_c: F32,
     pub(crate) last_edge_c: F32,
     pub(crate) t_min_c: F32,
@@ -83,51 +84,4 @@ pub(crate) const fn history_len(axes: usize, plays: usize, slow_parts: usize) ->
     let of_plays = axes.saturating_add(1).saturating_mul(plays);
     let of_parts = axes.saturating_add(2).saturating_mul(slow_parts);
     of_plays.saturating_add(of_parts).saturating_mul(4)
-}
-
-/// The settings in the order in which the core declares them.
-pub(crate) const fn settings_to_array(s: &ThermalSettings) -> [f32; 11] {
-    [
-        s.sensor_min_c,
-        s.sensor_max_c,
-        s.spike_gate_c,
-        s.max_slew_c_per_min,
-        s.hold_s,
-        s.heal_s,
-        s.tau_s,
-        s.kappa,
-        s.rate_min_c_per_min,
-        s.rate_max_c_per_min,
-        s.reference_c,
-    ]
-}
-
-/// The inverse of [`settings_to_array`].
-pub(crate) const fn settings_from_array(values: [f32; 11]) -> ThermalSettings {
-    let [
-        sensor_min_c,
-        sensor_max_c,
-        spike_gate_c,
-        max_slew_c_per_min,
-        hold_s,
-        heal_s,
-        tau_s,
-        kappa,
-        rate_min_c_per_min,
-        rate_max_c_per_min,
-        reference_c,
-    ] = values;
-    ThermalSettings {
-        sensor_min_c,
-        sensor_max_c,
-        spike_gate_c,
-        max_slew_c_per_min,
-        hold_s,
-        heal_s,
-        tau_s,
-        kappa,
-        rate_min_c_per_min,
-        rate_max_c_per_min,
-        reference_c,
-    }
 }

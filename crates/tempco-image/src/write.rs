@@ -7,7 +7,6 @@ use zerocopy::little_endian::{F32, U16, U32};
 use crate::check::{seal, total_len};
 use crate::layout::{
     CHANNEL_LEN, CONTINUOUS, HEADER_CRC_AT, HEADER_LEN, RawChannel, RawHeader, history_len,
-    settings_to_array,
 };
 use crate::{CRC, Channel, FORMAT, ImageError, Info, MAGIC, MAX_AXES, MODEL, SERIAL_LEN, Unit};
 
@@ -140,7 +139,7 @@ fn head(channel: &Channel, axes: usize) -> RawChannel {
             .map_or(0, Unit::code)
     };
     RawChannel {
-        thermal: settings_to_array(&channel.thermal).map(F32::new),
+        thermal: channel.thermal.to_array().map(F32::new),
         first_edge_c: F32::new(channel.first_edge_c),
         last_edge_c: F32::new(channel.last_edge_c),
         t_min_c: F32::new(channel.t_min_c),

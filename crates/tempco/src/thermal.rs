@@ -67,6 +67,41 @@ impl ThermalSettings {
     };
 }
 
+/// Conversions to and from arrays, of the settings in the order in which they are declared.
+macro_rules! in_order {
+    ($($name:ident),+ $(,)?) => {
+        impl ThermalSettings {
+            /// Names of the settings, in the order in which they are declared.
+            pub const NAMES: [&'static str; [$(stringify!($name)),+].len()] =
+                [$(stringify!($name)),+];
+
+            /// The settings in the order of [`NAMES`](Self::NAMES).
+            pub const fn to_array(&self) -> [f32; Self::NAMES.len()] {
+                [$(self.$name),+]
+            }
+
+            /// The inverse of [`to_array`](Self::to_array).
+            pub const fn from_array([$($name),+]: [f32; Self::NAMES.len()]) -> Self {
+                Self { $($name),+ }
+            }
+        }
+    };
+}
+
+in_order! {
+    sensor_min_c,
+    sensor_max_c,
+    spike_gate_c,
+    max_slew_c_per_min,
+    hold_s,
+    heal_s,
+    tau_s,
+    kappa,
+    rate_min_c_per_min,
+    rate_max_c_per_min,
+    reference_c,
+}
+
 /// The longest time that is counted, with room to add to it \[s\].
 const LONGEST_TIMER_S: f32 = 2e4;
 

@@ -30,6 +30,20 @@ fn believes(thermal: &Thermal, temp_c: f32) -> bool {
     state.restarts() == 1
 }
 
+/// Each name is that of the setting in its place, in both directions.
+#[test]
+fn settings_are_an_array_with_names_and_back() {
+    let values = SETTINGS.to_array();
+    assert_eq!(ThermalSettings::from_array(values), SETTINGS);
+    for (place, name) in ThermalSettings::NAMES.into_iter().enumerate() {
+        let mut spoilt = values;
+        spoilt[place] = f32::NAN;
+        let settings = ThermalSettings::from_array(spoilt);
+        assert!(settings.to_array()[place].is_nan());
+        assert_eq!(Thermal::new(settings), Err(TableError::Setting(name)));
+    }
+}
+
 #[test]
 fn each_setting_is_accepted_up_to_its_limits_and_not_beyond() {
     macro_rules! limits {

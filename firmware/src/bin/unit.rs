@@ -26,7 +26,8 @@ mod image {
     };
     use tempco_image::AlignedBytes;
 
-    type Interrupt = (Sampling<'static, BoardGyro, CHANNELS, AXES>, SYST);
+    type BoardSampling = Sampling<'static, BoardGyro, CHANNELS, AXES>;
+    type Interrupt = (&'static mut BoardSampling, SYST);
 
     /// From the set-up to the interrupt.
     static INTERRUPT: Mutex<RefCell<Option<Interrupt>>> = Mutex::new(RefCell::new(None));
@@ -86,6 +87,8 @@ mod image {
         let scale = scale(image.as_ref(), SCHEDULE.sample_rate_hz);
         let tables_only = tables.map(|(tables, _)| tables);
         let sampling = Sampling::new(gyro, interrupt_ends, tables_only, SCHEDULE, scale, offsets);
+        // In its place before the first interrupt, which would else have to move it.
+        let sampling = singleton!(: BoardSampling = sampling)?;
 
         let clock = SysTick::start(&mut core.SYST);
         critical_section::with(|cs| INTERRUPT.replace(cs, Some((sampling, core.SYST))));

@@ -36,7 +36,7 @@ pub trait Watchdog {
 
 /// Time in counts of the sampling timer, which begins a new period with every interrupt.
 pub trait SampleClock {
-    /// Counts since the last interrupt.
+    /// Counts since the timer's last interrupt was due.
     fn since_interrupt(&self) -> u32;
 
     /// Counts of a period.
@@ -45,9 +45,6 @@ pub trait SampleClock {
     /// Sleeps until the next interrupt, and returns the counts asleep. Interrupts are carried out
     /// after the time was taken.
     fn sleep(&self) -> u32;
-
-    /// Whether the next interrupt has already come while this one is carried out.
-    fn is_pending(&self) -> bool;
 
     /// Duration of a count \[ns\].
     const COUNT_NS: u32;

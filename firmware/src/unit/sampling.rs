@@ -56,6 +56,7 @@ impl<'t, G: Gyro<C, A>, const C: usize, const A: usize> Sampling<'t, G, C, A> {
     /// Carries out an interrupt: the gyro's sample if the timer `is_due`, and one that is replayed
     /// if there is one.
     pub fn interrupt(&mut self, is_due: bool, clock: &impl SampleClock) {
+        let begun = clock.since_interrupt();
         if is_due {
             let counts = self.gyro.counts();
             let moment = self.measure(counts);
@@ -64,16 +65,14 @@ impl<'t, G: Gyro<C, A>, const C: usize, const A: usize> Sampling<'t, G, C, A> {
             raise(&self.ends.counts.latency, latency);
             let is_lost = self.ends.moments.enqueue(moment).is_err();
             self.count(is_lost);
+            self.prepare();
         }
         self.replay();
-        self.count(clock.is_pending());
+        // The next period has begun: its sample comes late, or not at all.
+        self.count(is_due && clock.since_interrupt() < begun);
     }
 
     fn measure(&mut self, counts: [[i32; A]; C]) -> Moment<C, A> {
-        self.take_temperatures();
-        if let Some(offsets) = self.ends.offsets.dequeue() {
-            self.offsets = offsets;
-        }
         let each =
             |channel: usize, axis: usize| counts[channel][axis] as f32 * self.scale[channel][axis];
         let raw = core::array::from_fn(|channel| core::array::from_fn(|axis| each(channel, axis)));
@@ -91,8 +90,12 @@ impl<'t, G: Gyro<C, A>, const C: usize, const A: usize> Sampling<'t, G, C, A> {
         Moment { raw, outcome }
     }
 
-    /// On schedule; where the main loop has sent none in time, it counts as missing.
-    fn take_temperatures(&mut self) {
+    /// All that the next sample needs and this one need not wait for: offsets, and on schedule
+    /// temperatures; where the main loop has sent none in time, they count as missing.
+    fn prepare(&mut self) {
+        if let Some(offsets) = self.ends.offsets.dequeue() {
+            self.offsets = offsets;
+        }
         if let Some(left) = self.until_update.checked_sub(1) {
             self.until_update = left;
             return;

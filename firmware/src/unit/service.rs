@@ -335,8 +335,10 @@ where
 
     /// What the interrupt made of the next injected sample; none if it did not come in time.
     fn reply(&mut self, real_time: bool) -> Option<Replayed<C, A>> {
-        // The timer comes at once, or the period after.
-        for _ in 0..4 {
+        const LATEST: u32 = 4;
+        let from = self.ends.counts.samples();
+        // Other interrupts end a sleep too, so it is the gyro's samples that count.
+        while self.ends.counts.samples().wrapping_sub(from) < LATEST {
             if let Some(outcome) = self.ends.replies.dequeue() {
                 return Some(outcome);
             }

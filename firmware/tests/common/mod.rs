@@ -162,10 +162,6 @@ impl SampleClock for Inside {
         0
     }
 
-    fn is_pending(&self) -> bool {
-        false
-    }
-
     fn interrupt_now(&self) {}
 }
 
@@ -183,10 +179,6 @@ impl SampleClock for Timer<'_> {
     fn sleep(&self) -> u32 {
         self.0.borrow_mut().interrupt(true, &Inside);
         10_000
-    }
-
-    fn is_pending(&self) -> bool {
-        false
     }
 
     fn interrupt_now(&self) {

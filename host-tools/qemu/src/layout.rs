@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use object::elf::SHF_ALLOC;
-use object::{Object, ObjectSection, SectionFlags, SectionKind};
+use object::{Object, ObjectSection, ObjectSymbol, SectionFlags, SectionKind};
 
 use crate::Error;
 
@@ -21,6 +21,23 @@ pub struct Layout {
     pub flash_bytes: u64,
     /// Bytes of variables in RAM, without the stack.
     pub ram_bytes: u64,
+    /// The same by what they are.
+    pub sizes: Sizes,
+    /// Addresses between which the stack lies, where the image says; its top is `stack_top`.
+    pub stack: Option<(u32, u32)>,
+}
+
+/// What an image consists of \[bytes\].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Sizes {
+    /// Code, with the vector table.
+    pub text: u64,
+    /// Constants.
+    pub rodata: u64,
+    /// Variables with first values.
+    pub data: u64,
+    /// Other variables.
+    pub bss: u64,
 }
 
 impl Layout {
@@ -46,6 +63,8 @@ impl Layout {
             ram_start: None,
             flash_bytes: 0,
             ram_bytes: 0,
+            sizes: Sizes::default(),
+            stack: stack(&elf),
         };
         for section in elf.sections().filter(is_loaded) {
             let (in_flash, in_ram) = match section.kind() {
@@ -53,6 +72,12 @@ impl Layout {
                 SectionKind::Data => (true, true),
                 _ => (true, false),
             };
+            *match section.kind() {
+                SectionKind::UninitializedData => &mut layout.sizes.bss,
+                SectionKind::Data => &mut layout.sizes.data,
+                _ if section.name() == Ok(".rodata") => &mut layout.sizes.rodata,
+                _ => &mut layout.sizes.text,
+            } += section.size();
             if in_flash {
                 layout.flash_bytes += section.size();
             }
@@ -64,6 +89,14 @@ impl Layout {
         }
         Ok(layout)
     }
+}
+
+fn stack<'data>(elf: &impl Object<'data>) -> Option<(u32, u32)> {
+    let address = |name: &str| {
+        let symbol = elf.symbols().find(|symbol| symbol.name() == Ok(name))?;
+        u32::try_from(symbol.address()).ok()
+    };
+    Some((address("_stack_end")?, address("_stack_start")?))
 }
 
 /// Debug information and defmt's strings stay in the file.

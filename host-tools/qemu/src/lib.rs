@@ -52,9 +52,9 @@ pub use build::{Profile, Variant, build, build_host, build_variant};
 pub use code::code;
 pub use error::Error;
 pub use install::{TARGET, ensure_program, ensure_qemu, ensure_target, ensure_target_of};
-pub use layout::Layout;
+pub use layout::{Layout, Sizes};
 #[cfg(unix)]
-pub use machine::{Machine, MachineOptions};
+pub use machine::{Machine, MachineOptions, MachineTime};
 pub use replay::replay;
 pub use run::{Options, Run, run};
 pub use workspace::Workspace;

@@ -8,9 +8,12 @@ use crate::Error;
 
 /// Reads the strings of an image.
 pub(crate) fn table(path: &Path, elf: &[u8]) -> Result<Table, Error> {
-    Table::parse(elf)
-        .map_err(|error| Error::image(path, format!("{error:#}")))?
-        .ok_or_else(|| Error::image(path, "it has no defmt strings"))
+    table_if_any(path, elf)?.ok_or_else(|| Error::image(path, "it has no defmt strings"))
+}
+
+/// Reads the strings of an image that may have been built without logs.
+pub(crate) fn table_if_any(path: &Path, elf: &[u8]) -> Result<Option<Table>, Error> {
+    Table::parse(elf).map_err(|error| Error::image(path, format!("{error:#}")))
 }
 
 /// The lines of a log, each as `level message`, or the message alone where it has no level.

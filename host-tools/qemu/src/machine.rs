@@ -20,9 +20,8 @@ const START_LIMIT: Duration = Duration::from_secs(20);
 /// How a machine is run.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct MachineOptions {
-    /// Let virtual time pass by 2^n ns per instruction, which makes instructions countable;
-    /// without, time passes as it does on the host.
-    pub icount_shift: Option<u8>,
+    /// How time passes.
+    pub time: MachineTime,
     /// A file that stands for the memory that the machine has by option (16 MiB at 0x21000000 on
     /// the MPS2 boards). It outlives the machine, as flash does, and others may read and write it
     /// while the machine runs.
@@ -31,11 +30,32 @@ pub struct MachineOptions {
     pub extra: Vec<String>,
 }
 
+/// How time passes in a machine.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum MachineTime {
+    /// As on the host.
+    #[default]
+    Host,
+    /// By 2^n ns per instruction, and as on the host while the processor sleeps: a busy host slows
+    /// the program down without taking time from it.
+    Counted {
+        /// n.
+        shift: u8,
+    },
+    /// By 2^n ns per instruction, and at once to the next event while the processor sleeps: nothing
+    /// in it depends on the host's time any more.
+    Unbound {
+        /// n.
+        shift: u8,
+    },
+}
+
 /// A machine that runs, until it is dropped.
 pub struct Machine {
     child: Child,
     qmp: Qmp,
-    table: defmt_decoder::Table,
+    /// None of an image without logs.
+    table: Option<defmt_decoder::Table>,
     stdout: Collected,
     /// Holds the sockets.
     folder: TempDir,
@@ -46,10 +66,10 @@ impl Machine {
     /// first UART takes connections; the image may still be booting.
     ///
     /// # Errors
-    /// The image has no defmt strings, there is no QEMU, or it refuses the image or an argument.
+    /// There is no QEMU, or it refuses the image or an argument.
     pub fn start(elf: &Path, board: Board, options: &MachineOptions) -> Result<Self, Error> {
         let elf = elf.canonicalize().map_err(Error::file(elf))?;
-        let table = log::table(&elf, &fs::read(&elf).map_err(Error::file(&elf))?)?;
+        let table = log::table_if_any(&elf, &fs::read(&elf).map_err(Error::file(&elf))?)?;
         let folder = tempfile::tempdir().map_err(Error::file(&env::temp_dir()))?;
         let mut command = qemu(&elf, board, folder.path(), options);
         let mut child = command.spawn().map_err(|cause| Error::Start {
@@ -80,7 +100,8 @@ impl Machine {
 
     /// What the image logged so far, a message each.
     pub fn log(&self) -> Vec<String> {
-        log::lines(&self.table, &self.stdout.so_far())
+        let table = self.table.as_ref();
+        table.map_or_else(Vec::new, |table| log::lines(table, &self.stdout.so_far()))
     }
 
     /// Resets the machine, as a reset pin does; what is in its memory stays.
@@ -150,8 +171,13 @@ fn qemu(elf: &Path, board: Board, folder: &Path, options: &MachineOptions) -> Co
         .stdin(Stdio::null())
         .stdout(Stdio::piped())
         .stderr(Stdio::piped());
-    if let Some(shift) = options.icount_shift {
-        command.args(["-icount", &format!("shift={shift}")]);
+    let icount = match options.time {
+        MachineTime::Host => None,
+        MachineTime::Counted { shift } => Some(format!("shift={shift}")),
+        MachineTime::Unbound { shift } => Some(format!("shift={shift},sleep=off")),
+    };
+    if let Some(icount) = icount {
+        command.args(["-icount", &icount]);
     }
     command
 }

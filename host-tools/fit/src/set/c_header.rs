@@ -2,10 +2,10 @@
 
 use std::fmt::Write as _;
 
+use tempco::ThermalSettings;
 use tempco_image::MAX_AXES;
 
 use super::image::gains;
-use super::table::named;
 use super::{ChannelSet, CoefficientSet};
 
 /// Type definitions, guarded on their own, so that tables of several units can be included.
@@ -76,7 +76,7 @@ fn write_table_h(out: &mut String, set: &CoefficientSet) -> std::fmt::Result {
         out,
         "#ifndef {guard}\n#define {guard}\n\n#include <stdint.h>\n"
     )?;
-    let fields = named(&channels[0].table.thermal).map(|(name, _)| format!("float {name};\n"));
+    let fields = ThermalSettings::NAMES.map(|name| format!("float {name};\n"));
     let types = TYPES
         .replace("SETTINGS", &fields.join("    "))
         .replace("GAINS", &MAX_AXES.to_string());
@@ -171,7 +171,7 @@ fn pointer(name: &str, number: usize, count: usize) -> String {
 fn write_channel(out: &mut String, number: usize, channel: &ChannelSet) -> std::fmt::Result {
     let table = &channel.table;
     writeln!(out, "    {{\n        {{")?;
-    for (name, value) in named(&table.thermal) {
+    for (name, value) in ThermalSettings::NAMES.iter().zip(table.thermal.to_array()) {
         writeln!(out, "            {value:?}f, /* {name} */")?;
     }
     writeln!(out, "        }},")?;

@@ -5,7 +5,8 @@ use std::fs;
 use std::io::{self, Write as _};
 use std::path::Path;
 
-use super::table::named;
+use tempco::ThermalSettings;
+
 use super::{ChannelSet, CoefficientSet, PlayData, SlowPartData, TableData};
 
 /// The table as Rust source for `include!`: constants that a bad table would not let compile.
@@ -98,7 +99,7 @@ fn write_table(out: &mut String, number: usize, table: &TableData) -> std::fmt::
         out,
         "        const THERMAL: tempco::Thermal = match tempco::Thermal::new(tempco::ThermalSettings {{"
     )?;
-    for (name, value) in named(&table.thermal) {
+    for (name, value) in ThermalSettings::NAMES.iter().zip(table.thermal.to_array()) {
         writeln!(out, "            {name}: {value:?},")?;
     }
     let checked = "{ Ok(checked) => checked, Err(error) => panic!(\"{}\", error.message()) }";

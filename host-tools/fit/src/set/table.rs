@@ -103,23 +103,6 @@ fn use_axes<const CHANNELS: usize, const AXES: usize, U: TableUse<CHANNELS, AXES
     with_counts!(0 0, 1 0, 2 0, 0 1, 1 1, 2 1)
 }
 
-/// Settings by name, in their order in the core.
-pub(super) const fn named(settings: &ThermalSettings) -> [(&'static str, f32); 11] {
-    [
-        ("sensor_min_c", settings.sensor_min_c),
-        ("sensor_max_c", settings.sensor_max_c),
-        ("spike_gate_c", settings.spike_gate_c),
-        ("max_slew_c_per_min", settings.max_slew_c_per_min),
-        ("hold_s", settings.hold_s),
-        ("heal_s", settings.heal_s),
-        ("tau_s", settings.tau_s),
-        ("kappa", settings.kappa),
-        ("rate_min_c_per_min", settings.rate_min_c_per_min),
-        ("rate_max_c_per_min", settings.rate_max_c_per_min),
-        ("reference_c", settings.reference_c),
-    ]
-}
-
 impl TableData {
     /// The cells of `AXES` axes from the first of `axes` on, as the core borrows them.
     ///
@@ -256,14 +239,13 @@ impl TableUse<1, 1> for Check {
 pub(crate) fn crc32<'a>(tables: impl Iterator<Item = &'a TableData>) -> u32 {
     let mut digest = CRC.digest();
     for table in tables {
-        let settings = named(&table.thermal).map(|(_, value)| value);
         let temps = [
             table.first_edge_c,
             table.last_edge_c,
             table.t_min_c,
             table.t_max_c,
         ];
-        for value in settings.into_iter().chain(temps) {
+        for value in table.thermal.to_array().into_iter().chain(temps) {
             digest.update(&value.to_le_bytes());
         }
         let axes = table.cells.first().map_or(0, Vec::len);

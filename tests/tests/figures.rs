@@ -1,0 +1,165 @@
+//! What the images take of a processor: bytes, instructions, stack. The figures are committed;
+//! `TEMPCO_BLESS=1` writes them anew.
+#![cfg(unix)]
+
+use std::fmt::Write as _;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use tempco_hil::flash_set;
+use tempco_link::{Channels, Fault, FaultSet, Request, SampleBlock};
+use tempco_qemu::{
+    Board, Layout, MachineTime, TARGET, Variant, Workspace, build_variant, ensure_target,
+};
+use tempco_tests::rig::{ICOUNT_SHIFT, Rig, image, quick_table};
+use tempco_tests::root;
+
+/// The application without logs.
+const SILENT: Variant = Variant {
+    name: "silent",
+    features: &["application"],
+    config: &[],
+};
+
+/// Word that the start-up code paints the stack with.
+const PAINT: [u8; 4] = 0xcccc_cccc_u32.to_le_bytes();
+
+fn build(bin: &str, board: Board, variant: &Variant) -> PathBuf {
+    let workspace = Workspace::find().unwrap();
+    ensure_target(&workspace).unwrap();
+    assert_eq!(board.target(), TARGET);
+    build_variant(&workspace, board, bin, None, variant).unwrap()
+}
+
+/// Compares a table of figures with the one that is committed: words must be the same, and numbers
+/// within `share` and `least` of it.
+fn compare(name: &str, found: &str, share: f64, least: f64) {
+    let path = root().join("firmware/tests").join(name);
+    if std::env::var_os("TEMPCO_BLESS").is_some() {
+        fs::write(&path, found).unwrap();
+    }
+    let expected = fs::read_to_string(&path).unwrap();
+    let (found_words, expected_words) = (found.split_whitespace(), expected.split_whitespace());
+    assert_eq!(
+        found_words.clone().count(),
+        expected_words.clone().count(),
+        "{name}:\n{found}"
+    );
+    for (found_word, expected_word) in found_words.zip(expected_words) {
+        match (found_word.parse::<f64>(), expected_word.parse::<f64>()) {
+            (Ok(a), Ok(b)) => {
+                let within = (a - b).abs() <= least.max(share * b.abs());
+                assert!(within, "{name}: {a}, committed {b}:\n{found}");
+            }
+            _ => assert_eq!(found_word, expected_word, "{name}:\n{found}"),
+        }
+    }
+}
+
+#[test]
+fn sizes_of_images_are_those_committed() {
+    let mut table = String::from("image board text rodata data bss\n");
+    for (bin, board, variant) in [
+        ("replay", Board::Mps2An386, Variant::USUAL),
+        ("unit", Board::Mps2An386, Variant::APPLICATION),
+        ("unit", Board::Mps2An386, SILENT),
+        ("unit", Board::Stm32F405, Variant::APPLICATION),
+        ("unit", Board::Stm32F405, SILENT),
+    ] {
+        let sizes = Layout::of(&build(bin, board, &variant)).unwrap().sizes;
+        let name = if variant == SILENT {
+            "unit-without-logs"
+        } else {
+            bin
+        };
+        let (text, rodata) = (sizes.text, sizes.rodata);
+        let (data, bss) = (sizes.data, sizes.bss);
+        writeln!(table, "{name} {board} {text} {rodata} {data} {bss}").unwrap();
+    }
+    // Compilers of the same version make the same image; the tolerance is for small changes.
+    compare("sizes.txt", &table, 0.02, 64.0);
+}
+
+/// Without logs nothing of them is left: neither strings nor code.
+#[test]
+fn logs_that_are_off_cost_nothing() {
+    let image = fs::read(build("unit", Board::Mps2An386, &SILENT)).unwrap();
+    let has = |image: &[u8], word: &str| image.windows(word.len()).any(|w| w == word.as_bytes());
+    for word in ["_defmt_acquire", "defmt_timestamp", "defmt_semihosting"] {
+        assert!(!has(&image, word), "{word}");
+    }
+    let image = fs::read(tempco_tests::rig::image()).unwrap();
+    assert!(
+        has(&image, "_defmt_acquire"),
+        "the words above would be found"
+    );
+}
+
+/// What a unit takes of its processor, with everything going on: a table with all history terms
+/// compiled in, telemetry, a replay through the sampling interrupt, an update, built-in tests.
+#[test]
+fn load_latency_and_stack_are_those_committed() {
+    let mut table = String::from("image load latency stack\n");
+    for (name, path) in [
+        ("unit", image()),
+        (
+            "unit-without-logs",
+            build("unit", Board::Mps2An386, &SILENT),
+        ),
+    ] {
+        let figures = figures(&path);
+        writeln!(table, "{name} {figures}").unwrap();
+    }
+    compare("load.txt", &table, 0.02, 12.0);
+}
+
+fn figures(image: &Path) -> String {
+    let time = MachineTime::Unbound {
+        shift: ICOUNT_SHIFT,
+    };
+    let mut rig = Rig::with(image, time);
+    rig.counts(3);
+    rig.temperature(25.0);
+    flash_set(&mut rig.unit, &quick_table(1), |_| {}).unwrap();
+    let idle = rig.wait(60.0, "three seconds", |state| state.uptime_ms > 3000);
+    for number in 0..40_u8 {
+        let raw = [0x3f; 960];
+        let block = SampleBlock {
+            temps_c: Channels::from_slice(&[20.0 + f32::from(number)]).unwrap(),
+            real_time: true,
+            raw: &raw,
+        };
+        rig.unit.ask(&Request::Block(block), |_| Some(())).unwrap();
+    }
+    flash_set(&mut rig.unit, &quick_table(2), |_| {}).unwrap();
+    rig.unit.built_in_test().unwrap();
+    let state = rig.telemetry();
+    assert_eq!(state.overruns, 0);
+    assert_eq!(
+        state.faults.without(Fault::SensorStuck.into()),
+        FaultSet::NONE
+    );
+
+    // Instructions per second and sample of a processor that executes one in 64 ns.
+    let per_sample = 1e9 / f64::from(1 << ICOUNT_SHIFT) / 2000.0;
+    let load = |permille: u16| (f64::from(permille) * per_sample / 1000.0).round();
+    let latency = |ns: u32| (f64::from(ns) / f64::from(1 << ICOUNT_SHIFT)).round();
+    let (bottom, top) = Layout::of(image).unwrap().stack.unwrap();
+    // The stack has hundreds of kilobytes here; only its upper end is looked at.
+    let bottom = bottom.max(top - 0x1_0000);
+    let stack = rig
+        .machine
+        .read_memory(bottom, (top - bottom) as usize)
+        .unwrap();
+    let unused = stack
+        .chunks_exact(4)
+        .take_while(|word| **word == PAINT)
+        .count()
+        * 4;
+    format!(
+        "{} {} {}",
+        load(idle.load_permille),
+        latency(state.latency_ns),
+        stack.len() - unused
+    )
+}
