@@ -42,8 +42,7 @@ impl Sensors {
         let spi = Spi::new(spi, pins, MODE_1, 1.MHz(), rcc);
         let bus: &'static RefCell<_> =
             cortex_m::singleton!(: RefCell<Spi<SPI1>> = RefCell::new(spi))?;
-        Some(Self(selects.map(|mut select| {
-            select.set_high();
+        Some(Self(selects.map(|select| {
             let Ok(device) = RefCellDevice::new_no_delay(bus, select);
             Sensor::new(device)
         })))
