@@ -3,10 +3,11 @@
 use std::fs;
 use std::process::Command;
 
+use serde_json::Value;
 use tempco::{Play, SlowPart};
 use tempco_fit::load_set;
 use tempco_fit::set::{CoefficientSet, PlayData, table_bin, table_h};
-use tempco_image::{AlignedBytes, Image};
+use tempco_image::{AlignedBytes, Image, Info, encode};
 use tempco_tests::Bench;
 use tempco_tests::history::add_history;
 
@@ -119,6 +120,92 @@ fn inspect_shows_an_image_and_compares_it() {
         assert_eq!((ran.code, ran.out.as_str()), (2, ""));
         assert!(ran.err.contains(expected), "{}", ran.err);
     }
+}
+
+/// With history terms too, which only some sets have.
+#[test]
+fn an_image_is_applied_and_evaluated_as_the_set_it_is_made_from() {
+    let bench = fitted("");
+    with_history(&bench);
+    for folder in ["set", "with"] {
+        let result = |file: &str| {
+            let set = format!("{folder}/{file}");
+            bench.ok(&format!("apply {set} log.csv --out {file}.csv"));
+            let out = fs::read_to_string(bench.path(&format!("{file}.csv"))).unwrap();
+            // Whether the log is good enough (exit code 0 or 1) is not the matter here.
+            let ran = bench.run(&format!("evaluate {set} log.csv --tau 10 --json"));
+            let mut evaluation: Value = serde_json::from_str(&ran.out).unwrap();
+            let role = evaluation["log"]["role"].take();
+            // What only the fit knows.
+            evaluation["segments"].take();
+            for axis in evaluation["axes"].as_array_mut().unwrap() {
+                axis["boundaries"].take();
+                axis["coefficient_sigmas"].take();
+            }
+            (out, evaluation, ran.code, role)
+        };
+        let of_set = result("coefficients.json");
+        let of_image = result("table.bin");
+        assert_eq!((&of_image.0, &of_image.1), (&of_set.0, &of_set.1));
+        assert_eq!(of_image.2, of_set.2);
+        assert_eq!(
+            (of_set.3, of_image.3),
+            ("training".into(), "unknown".into())
+        );
+    }
+    let out = bench.run("evaluate with/coefficients.json log.csv --against set/table.bin --tau 10");
+    assert!(
+        out.out.contains("the set of unit SN?7"),
+        "{}{}",
+        out.out,
+        out.err
+    );
+}
+
+#[test]
+fn an_image_is_refused_for_a_log_of_other_axes_or_units() {
+    let bench = fitted("");
+    for (command, expected) in [
+        (
+            "apply set/table.bin log.csv --out out.csv --axis x=x_pulses:pulses",
+            "set/table.bin: log.csv: temperature channels with [1] axes: the image has [3]",
+        ),
+        (
+            "apply set/table.bin log.csv --out out.csv --scale-factor 2",
+            "axis `x` is in dph, but the image expects pulses_per_s",
+        ),
+        (
+            "evaluate set/table.bin log.csv --report report.html",
+            "set/table.bin: expected coefficients.json",
+        ),
+        (
+            "evaluate set/table.bin log.csv --sign-off --tau 10",
+            "set/table.bin: expected coefficients.json",
+        ),
+    ] {
+        let ran = bench.run(command);
+        assert_eq!(ran.code, 2, "{command}: {}", ran.out);
+        assert!(ran.err.contains(expected), "{command}: {}", ran.err);
+    }
+    assert_eq!(bench.files(), ["log.csv", "set"]);
+
+    // An image whose name for its table is not that of its numbers.
+    let place = aligned(&fs::read(bench.path("set/table.bin")).unwrap());
+    let image = Image::read(&place.0).unwrap();
+    let info = Info {
+        table_crc: 1,
+        ..*image.info()
+    };
+    let mut renamed = vec![0; image.bytes().len()];
+    encode(&info, &[image.channel(0).unwrap()], &mut renamed).unwrap();
+    fs::write(bench.path("renamed.bin"), renamed).unwrap();
+    let ran = bench.run("apply renamed.bin log.csv --out out.csv");
+    assert_eq!(ran.code, 2);
+    assert!(
+        ran.err.contains("the image names table 00000001"),
+        "{}",
+        ran.err
+    );
 }
 
 #[test]

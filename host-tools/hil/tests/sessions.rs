@@ -6,7 +6,7 @@ mod common;
 use std::path::Path;
 use std::time::Duration;
 
-use common::{SCHEDULE, Wire, image_of, spawn};
+use common::{Figure, SCHEDULE, Wire, image_of, spawn};
 use tempco_hil::{Error, Patience, Unit, download, flash_set, open, replay};
 use tempco_image::{AlignedBytes, Image};
 use tempco_link::{Bank, Request};
@@ -174,6 +174,32 @@ fn replays_find_no_difference_where_there_is_none_and_every_one_where_there_is()
                 assert_eq!(comparison.first, Some(0));
             }
         }
+    }
+}
+
+/// By rows everything is compared; by blocks the rest is that of the last sample of a block, which
+/// is the 80th.
+#[test]
+fn a_bit_of_any_figure_of_one_sample_is_found() {
+    let (port, flash) = spawn("SN1", GOOD);
+    let mut unit = connect(port);
+    let image = image_of("SN1", 7, 1.0);
+    flash_set(&mut unit, &image, |_| {}).unwrap();
+    for (figure, number, by_block) in [
+        (Figure::Effective, 79, true),
+        (Figure::Rate, 79, true),
+        (Figure::Status, 79, true),
+        (Figure::Bias, 79, true),
+        (Figure::Compensated, 79, true),
+        (Figure::Compensated, 17, true),
+        (Figure::Bias, 17, false),
+    ] {
+        flash.lock().unwrap().spoil = Some((number, figure));
+        let [rows, blocks] = replays(&mut unit, &image, 100);
+        let found = Some(number as u64);
+        assert_eq!((rows.different, rows.first), (1, found), "{figure:?}");
+        let expected = if by_block { (1, found) } else { (0, None) };
+        assert_eq!((blocks.different, blocks.first), expected, "{figure:?}");
     }
 }
 

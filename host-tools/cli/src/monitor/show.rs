@@ -147,3 +147,64 @@ fn line(telemetry: &Telemetry) -> String {
         f64::from(telemetry.latency_ns) / 1000.0,
     )
 }
+
+#[cfg(test)]
+mod tests {
+    use tempco_link::{Fault, FaultSet, Outcome};
+    use tempco_replay::Schedule;
+
+    use super::*;
+
+    #[test]
+    fn a_message_is_shown_with_units_status_and_faults() {
+        let identity = Identity {
+            serial: "S1".to_owned(),
+            firmware: "1".to_owned(),
+            channels: 1,
+            axes: 2,
+            schedule: Schedule {
+                sample_rate_hz: 2000.0,
+                samples_per_update: 200,
+            },
+            bank: None,
+            table_crc: 0,
+            sequence: 0,
+        };
+        let channel = ChannelTelemetry {
+            effective_c: 24.5,
+            rate_c_per_min: -0.25,
+            status: Status::SETTLING.bits(),
+        };
+        let telemetry = Telemetry {
+            index: 7,
+            uptime_ms: 12_345,
+            temps_c: [f32::NAN].into_iter().collect(),
+            raw: [1.5, -2.5].into_iter().collect(),
+            outcome: Outcome {
+                channels: [channel].into_iter().collect(),
+                bias: [0.5, 0.25].into_iter().collect(),
+                compensated: [1.0, -2.75].into_iter().collect(),
+            },
+            faults: FaultSet::from(Fault::SensorOpen),
+            load_permille: 123,
+            latency_ns: 35_500,
+            ..Telemetry::default()
+        };
+        let block = View::new(&identity, true).block(&telemetry);
+        let line = line(&telemetry);
+        for part in [
+            "NaN",
+            "-0.250",
+            "settling",
+            "-2.75",
+            "faults: sensor open",
+            "12.3 %",
+        ] {
+            assert!(block.contains(part), "{part}: {block}");
+            assert!(line.contains(part), "{part}: {line}");
+        }
+        assert!(block.contains("24.500"), "{block}");
+        assert!(block.contains("12.3 s after power-on"), "{block}");
+        assert!(line.starts_with("7 12.3 s: "), "{line}");
+    }
+}

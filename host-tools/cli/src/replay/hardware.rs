@@ -14,6 +14,10 @@ use crate::output::print;
 use crate::port_args::bank_name;
 use crate::progress::Progress;
 
+/// An instruction takes 32 ns of emulated time, about what the board's 25 MHz give it, and what is
+/// slept is skipped: load and latency do not depend on this machine.
+const ICOUNT: [&str; 2] = ["-icount", "shift=5,sleep=off"];
+
 /// The interval of a log may be off that of the unit by this share: times in logs are rounded.
 const INTERVAL_TOLERANCE: f64 = 0.1;
 
@@ -51,7 +55,11 @@ pub(super) fn in_qemu(
     real_time: bool,
 ) -> Result<(Differences, String)> {
     let elf = put.build(board, "unit", &Variant::APPLICATION)?;
-    let machine = Machine::start(&elf, board, &MachineOptions::default())?;
+    let options = MachineOptions {
+        extra: ICOUNT.map(str::to_owned).to_vec(),
+        ..MachineOptions::default()
+    };
+    let machine = Machine::start(&elf, board, &options)?;
     let replayed = in_machine(put, &machine, real_time);
     for line in machine.log() {
         print(format_args!("{board}: {line}"))?;

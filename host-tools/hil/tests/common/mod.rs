@@ -38,6 +38,18 @@ pub(crate) struct Flash {
     pub(crate) reset_after: Option<usize>,
     /// Takes a table and does not use it.
     pub(crate) is_stubborn: bool,
+    /// The number of a replayed sample, and which figure of its outcome has a bit turned over.
+    pub(crate) spoil: Option<(usize, Figure)>,
+}
+
+/// A figure of an outcome.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Figure {
+    Effective,
+    Rate,
+    Status,
+    Bias,
+    Compensated,
 }
 
 /// What is lost with a reset.
@@ -51,6 +63,9 @@ struct Running {
     upload: Vec<u8>,
     chunks: usize,
     answer: Vec<u8>,
+    /// Samples since the start of the replay, and which outcome is to be spoiled.
+    replayed: usize,
+    spoil: Option<(usize, Figure)>,
     telemetry: Telemetry,
     period_ms: u32,
     serial: String,
@@ -83,6 +98,8 @@ fn boot(flash: &Arc<Mutex<Flash>>) -> Running {
         upload: Vec::new(),
         chunks: 0,
         answer: Vec::new(),
+        replayed: 0,
+        spoil: None,
         telemetry: Telemetry::default(),
         period_ms: 0,
         serial: kept.serial.clone(),
@@ -158,6 +175,7 @@ impl Handler for Running {
             Request::Restart => {
                 self.replay = Replay::new(self.tables);
                 self.stream = Stream::new(self.tables, &SCHEDULE);
+                (self.replayed, self.spoil) = (0, flash.spoil);
                 Response::Done
             }
             Request::Sample(sample) => self.sample(&sample),
@@ -184,7 +202,8 @@ impl Running {
             temps_c: sample.temps_c[..].try_into().unwrap(),
             raw: [sample.raw[..].try_into().unwrap()],
         });
-        Response::Outcome(outcome(&made))
+        let made = self.spoilt(outcome(&made));
+        Response::Outcome(made)
     }
 
     fn block(&mut self, block: &SampleBlock) -> Response<'_> {
@@ -196,7 +215,8 @@ impl Running {
         for sample in block.raw.chunks(12) {
             let axis = |axis: usize| sample[4 * axis..][..4].try_into().unwrap();
             let raw = std::array::from_fn(|number| f32::from_le_bytes(axis(number)));
-            last = outcome(&self.stream.sample(&[raw]));
+            let made = outcome(&self.stream.sample(&[raw]));
+            last = self.spoilt(made);
             for value in &last.compensated {
                 self.answer.extend(value.to_le_bytes());
             }
@@ -207,6 +227,25 @@ impl Running {
             bias: last.bias,
             compensated: &self.answer,
         })
+    }
+}
+
+impl Running {
+    fn spoilt(&mut self, mut made: Outcome) -> Outcome {
+        let number = self.replayed;
+        self.replayed += 1;
+        let turn = |value: &mut f32| *value = f32::from_bits(value.to_bits() ^ 1);
+        match self.spoil {
+            Some((spoilt, figure)) if spoilt == number => match figure {
+                Figure::Effective => turn(&mut made.channels[0].effective_c),
+                Figure::Rate => turn(&mut made.channels[0].rate_c_per_min),
+                Figure::Status => made.channels[0].status ^= 1,
+                Figure::Bias => turn(&mut made.bias[1]),
+                Figure::Compensated => turn(&mut made.compensated[2]),
+            },
+            _ => {}
+        }
+        made
     }
 }
 

@@ -1,0 +1,270 @@
+//! `tempco flash-set`, `monitor`, `faults` and `replay` on units: the emulated one with the whole
+//! application, and one in this process that does as a test wants.
+#![cfg(unix)]
+
+#[path = "../../host-tools/hil/tests/common/mod.rs"]
+mod simulated;
+
+use std::fs;
+use std::os::unix::net::UnixListener;
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex};
+use std::thread;
+
+use serde_json::Value;
+use simulated::{Flash, Wire, image_of, serve};
+use tempco_fit::load_set;
+use tempco_hil::{Patience, Unit, open, replay};
+use tempco_image::{AlignedBytes, Image};
+use tempco_qemu::{Board, Machine, MachineOptions};
+use tempco_tests::Bench;
+use tempco_tests::rig::{SERIAL, image};
+
+/// A folder with a set of the unit `serial`, in `set`, and two logs: `log.csv`, and `fast.csv` of
+/// the units' sample rate.
+fn fitted(serial: &str) -> Bench {
+    let bench = Bench::new();
+    bench.ok("simulate --unit paper --profile short --seed 5 --out long.csv");
+    let ran = bench.run(&format!(
+        "fit long.csv --serial {serial} --out set --segments 6:45 --no-report"
+    ));
+    assert!(ran.code < 2, "{}", ran.err);
+    let long = fs::read_to_string(bench.path("long.csv")).unwrap();
+    let log: Vec<&str> = long.lines().take(601).collect();
+    bench.write("log.csv", &log.join("\n"));
+    let mut fast = "time_s,temp_c,x_pulses_per_s,y_pulses_per_s,z_pulses_per_s\n".to_owned();
+    for row in 0..1501 {
+        let t = f64::from(row);
+        let [x, y, z] = [0.01, 0.02, 0.5].map(|pace| (pace * t).sin());
+        fast += &format!("{},{},{x},{y},{z}\n", t * 0.0005, 20.0 + t * 1e-4);
+    }
+    bench.write("fast.csv", &fast);
+    bench
+}
+
+/// A unit in this process behind the socket `unit` of a folder, for one program at a time.
+fn simulated(bench: &Bench, serial: &str) -> (PathBuf, Arc<Mutex<Flash>>) {
+    let path = bench.path("unit");
+    let listener = UnixListener::bind(&path).unwrap();
+    let flash = Arc::new(Mutex::new(Flash {
+        serial: serial.to_owned(),
+        ..Flash::default()
+    }));
+    let kept = flash.clone();
+    thread::spawn(move || {
+        for port in listener.incoming() {
+            serve(port.unwrap(), kept.clone(), [Wire::GOOD, Wire::GOOD]);
+        }
+    });
+    (path, flash)
+}
+
+#[test]
+fn a_set_goes_into_the_emulated_unit_and_logs_through_it_bit_for_bit() {
+    let bench = fitted(SERIAL);
+    // What is slept is skipped, so that nothing waits for the time of this machine.
+    let options = MachineOptions {
+        extra: ["-icount", "shift=5,sleep=off"].map(str::to_owned).to_vec(),
+        ..MachineOptions::default()
+    };
+    let machine = Machine::start(&image(), Board::Mps2An386, &options).unwrap();
+    let port = machine.link().display().to_string();
+    let ran = bench.run(&format!("replay set/table.bin log.csv --target {port}"));
+    assert_eq!(ran.code, 2, "{}", ran.out);
+    assert!(ran.err.contains("runs on no table"), "{}", ran.err);
+
+    let set = load_set(&bench.path("set/coefficients.json")).unwrap();
+    for (file, bank) in [("table.bin", "A"), ("coefficients.json", "B")] {
+        let out = bench.ok(&format!("flash-set set/{file} --port {port}"));
+        let expected = format!("runs on table {} in bank {bank}", set.table_crc32);
+        assert!(out.contains(&expected), "{out}");
+    }
+    for (log, real_time, rows) in [
+        ("log.csv", "", 600),
+        ("fast.csv", "", 1501),
+        ("fast.csv", "--real-time", 1501),
+    ] {
+        let out = bench.ok(&format!(
+            "replay set/coefficients.json {log} --target {port} {real_time}"
+        ));
+        let expected = format!("0 of {rows} samples differ between host and unit {SERIAL} at");
+        assert!(out.contains(&expected), "{out}");
+        assert!(out.contains(" 0 frames dropped"), "{out}");
+        // Interrupts that are set off beside the timer's may meet it.
+        let is_on_time = log == "log.csv" || !real_time.is_empty();
+        assert!(!is_on_time || out.contains(" 0 overruns,"), "{out}");
+    }
+    let ran = bench.run(&format!(
+        "replay set/coefficients.json log.csv --target {port} --real-time"
+    ));
+    assert_eq!(ran.code, 2);
+    assert!(
+        ran.err
+            .contains("expected the sample interval of the unit, 0.0005 s"),
+        "{}",
+        ran.err
+    );
+
+    let out = bench.ok(&format!(
+        "monitor --port {port} --period 100 --count 3 --json"
+    ));
+    let messages: Vec<Value> = out
+        .lines()
+        .map(|l| serde_json::from_str(l).unwrap())
+        .collect();
+    assert_eq!(messages.len(), 3, "{out}");
+    assert_eq!(messages[0]["raw"].as_array().unwrap().len(), 3, "{out}");
+    assert!(messages[0]["load_permille"].as_u64() < Some(1000), "{out}");
+    assert!(messages[0]["fault_names"].is_array());
+    let faults = bench.ok(&format!("faults --port {port}"));
+    assert!(faults.contains("fault"), "{faults}");
+
+    one_bit_of_a_coefficient_is_found(&bench, &machine);
+}
+
+/// The unit against a host whose table differs in one bit.
+fn one_bit_of_a_coefficient_is_found(bench: &Bench, machine: &Machine) {
+    let bytes = fs::read(bench.path("set/table.bin")).unwrap();
+    let mut place = Box::new(AlignedBytes([0; 65_536]));
+    place.0[..bytes.len()].copy_from_slice(&bytes);
+    let image = Image::read(&place.0).unwrap();
+    let [good] = image.tables::<1, 3, 2, 1>().unwrap();
+    let mut cells = good.cells().to_vec();
+    // A cell of the temperatures that are replayed.
+    let warm = cells.len() / 2;
+    let a0 = &mut cells[warm][1].a[0];
+    *a0 = f32::from_bits(a0.to_bits() ^ 1);
+    let channel = image.channel(0).unwrap();
+    let thermal = tempco::Thermal::new(channel.thermal).unwrap();
+    let (first_c, last_c) = (channel.first_edge_c, channel.last_edge_c);
+    let other = tempco::Table::new(thermal, first_c, last_c, &cells)
+        .and_then(|table| table.calibrated(channel.t_min_c, channel.t_max_c))
+        .unwrap();
+    let width_c = (last_c - first_c) / cells.len() as f32;
+    let within_c = first_c + width_c * (warm as f32 + 0.5);
+
+    let port = open(&machine.link(), 0).unwrap();
+    let mut unit = Unit::connect(port, Patience::default()).unwrap();
+    let samples = || {
+        (0..50).map(|_| tempco_replay::Sample {
+            dt_s: 1.0,
+            temps_c: [within_c],
+            raw: [[0.0; 3]],
+        })
+    };
+    let found = replay::by_row(&mut unit, &[other], samples(), |_| {}).unwrap();
+    assert_eq!((found.different, found.first), (50, Some(0)));
+    let found = replay::by_row(&mut unit, &[good], samples(), |_| {}).unwrap();
+    assert_eq!(found.different, 0);
+}
+
+#[test]
+fn a_unit_that_computes_something_else_is_found_by_exit_code() {
+    let bench = fitted("SN1");
+    let (port, flash) = simulated(&bench, "SN1");
+    let port = port.display();
+    bench.ok(&format!("flash-set set/table.bin --port {port}"));
+    for log in ["log.csv", "fast.csv"] {
+        let command = format!("replay set/table.bin {log} --target {port}");
+        let out = bench.ok(&command);
+        assert!(out.contains("0 of "), "{out}");
+        // The same name for other numbers, as a damaged memory would have it.
+        let good = flash.lock().unwrap().banks[0].clone();
+        let set = load_set(&bench.path("set/coefficients.json")).unwrap();
+        flash.lock().unwrap().banks[0] = image_of("SN1", set.crc32(), 0.5);
+        let ran = bench.run(&command);
+        flash.lock().unwrap().banks[0] = good;
+        assert_eq!(ran.code, 1, "{}{}", ran.out, ran.err);
+        let rows = if log == "log.csv" { 600 } else { 1501 };
+        let expected = format!("{rows} of {rows} samples differ between host and unit SN1 at");
+        assert!(ran.out.contains(&expected), "{}", ran.out);
+        assert!(
+            ran.err.contains("the first one that differs is row 1"),
+            "{}",
+            ran.err
+        );
+    }
+}
+
+#[test]
+fn what_does_not_belong_together_is_refused_before_anything_is_written() {
+    let bench = fitted("SN1");
+    bench.ok("fit long.csv --serial SN2 --out other --segments 6:45 --no-report");
+    bench.ok("fit long.csv --serial SN1 --axis x=x_pulses:pulses --out narrow --segments 6:45 --no-report");
+    let (port, flash) = simulated(&bench, "SN1");
+    let port = port.display();
+    for (command, expected) in [
+        (
+            "flash-set other/table.bin --port PORT",
+            "of unit \"SN2\", but this is unit \"SN1\"",
+        ),
+        (
+            "flash-set narrow/coefficients.json --port PORT",
+            "1 temperature channel(s) of 1 axes, but the unit is built for 1 temperature channel(s) of 3",
+        ),
+        (
+            "flash-set long.csv --port PORT",
+            "expected static coefficients",
+        ),
+        (
+            "replay set/table.bin log.csv --target PORT",
+            "tempco flash-set SET --port",
+        ),
+        (
+            "flash-set set/table.bin --port none/ttyUSB9",
+            "none/ttyUSB9: No such file",
+        ),
+        ("monitor --port log.csv --count 1", "log.csv: "),
+        (
+            "monitor --port PORT --period 0",
+            "--period 0: expected milliseconds",
+        ),
+        (
+            "replay set/table.bin log.csv --target none/ttyUSB9",
+            "none/ttyUSB9: No such file",
+        ),
+        (
+            "replay set/table.bin log.csv --target qemu --real-time",
+            "--real-time: expected with --application",
+        ),
+        (
+            "replay set/table.bin log.csv --target qemu --application --board stm32f405",
+            "--board stm32f405: expected mps2-an386",
+        ),
+    ] {
+        let ran = bench.run(&command.replace("PORT", &port.to_string()));
+        assert_eq!(ran.code, 2, "{command}: {}{}", ran.out, ran.err);
+        assert!(ran.err.contains(expected), "{command}: {}", ran.err);
+    }
+    let kept = flash.lock().unwrap();
+    assert!(kept.banks.iter().all(Vec::is_empty));
+}
+
+#[test]
+fn a_unit_is_watched_line_by_line() {
+    let bench = Bench::new();
+    let (port, _flash) = simulated(&bench, "SN1");
+    let port = port.display();
+    let ran = bench.run(&format!("monitor --port {port} --count 2"));
+    assert_eq!(ran.code, 0, "{}", ran.err);
+    let lines: Vec<&str> = ran.out.lines().collect();
+    assert_eq!(lines.len(), 3, "{}", ran.out);
+    assert!(
+        lines[0].starts_with("unit SN1, simulated 1, 2000 Hz"),
+        "{}",
+        lines[0]
+    );
+    assert!(
+        lines[0].ends_with("no table: it runs uncompensated"),
+        "{}",
+        lines[0]
+    );
+    assert!(
+        lines[1].contains("faults: none, overruns 0"),
+        "{}",
+        lines[1]
+    );
+    let faults = bench.ok(&format!("faults --port {port}"));
+    assert!(faults.contains("| sensor stuck"), "{faults}");
+    assert_eq!(faults.lines().count(), 2 + 11, "{faults}");
+}
