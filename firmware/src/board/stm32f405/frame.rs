@@ -72,7 +72,6 @@ mod tests {
         ];
         let frame = encode(0x1234, &outcome);
         assert_eq!(frame[..22], expected);
-        // A receiver finds zero over the frame with its CRC in the order of transmission.
         assert_eq!(
             bitwise_crc(&frame[..22]),
             u16::from_le_bytes([frame[22], frame[23]])
