@@ -59,7 +59,11 @@ pub fn flash_set(
     }
     let crc = CRC.checksum(image);
     unit.command(&Request::UploadCommit { len, crc })?;
-    unit.command(&Request::Activate)?;
+    match unit.command(&Request::Activate) {
+        // The answer was lost, and the unit has reset itself before it was asked again.
+        Err(Error::SessionLost { .. }) => {}
+        other => other?,
+    }
     unit.reconnect()?;
     let after = unit.identify()?;
     if after.table_crc == table_crc && after.bank.is_some() && after.bank != before.bank {

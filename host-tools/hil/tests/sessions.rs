@@ -105,6 +105,14 @@ fn a_unit_that_is_reset_in_mid_upload_ends_it_and_a_second_upload_succeeds() {
 }
 
 #[test]
+fn a_lost_answer_of_a_unit_that_resets_itself_is_no_error() {
+    let (port, flash) = spawn("SN1", GOOD);
+    flash.lock().unwrap().is_hasty = true;
+    let after = flash_set(&mut connect(port), &image_of("SN1", 7, 1.0), |_| {}).unwrap();
+    assert_eq!(after.table_crc, 7);
+}
+
+#[test]
 fn a_unit_that_does_not_use_its_new_table_is_told_of() {
     let (port, flash) = spawn("SN1", GOOD);
     flash.lock().unwrap().is_stubborn = true;

@@ -36,6 +36,8 @@ pub(crate) struct Flash {
     pub(crate) done: usize,
     /// Chunks after which the unit is reset without an answer.
     pub(crate) reset_after: Option<usize>,
+    /// Is reset before it can answer that it will be.
+    pub(crate) is_hasty: bool,
     /// Takes a table and does not use it.
     pub(crate) is_stubborn: bool,
     /// The number of a replayed sample, and which figure of its outcome has a bit turned over.
@@ -159,7 +161,11 @@ impl Handler for Running {
                 Response::Done
             }
             Request::Activate => {
-                self.resets = Some(Reset::AfterAnswer);
+                self.resets = Some(if flash.is_hasty {
+                    Reset::AtOnce
+                } else {
+                    Reset::AfterAnswer
+                });
                 Response::Done
             }
             Request::Download { bank, offset, len } => {
