@@ -48,11 +48,13 @@ pub enum Fault {
     Stack,
     /// The supply was too low.
     BrownOut,
+    /// The crystal does not run: the unit runs from its internal oscillator, which keeps worse time.
+    Clock,
 }
 
 impl Fault {
     /// Every fault, by its code.
-    pub const ALL: [Self; 19] = [
+    pub const ALL: [Self; 20] = [
         Self::NoTable,
         Self::SpareTable,
         Self::Flash,
@@ -72,6 +74,7 @@ impl Fault {
         Self::Crash,
         Self::Stack,
         Self::BrownOut,
+        Self::Clock,
     ];
 
     /// The code, as in a fault log.
@@ -114,6 +117,7 @@ impl Fault {
             Self::Crash => "crash",
             Self::Stack => "stack",
             Self::BrownOut => "brown-out",
+            Self::Clock => "clock",
         }
     }
 }

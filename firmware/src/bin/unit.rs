@@ -84,7 +84,7 @@ mod image {
         let offsets = storage.offsets(tables.map_or(0, |(_, crc)| crc));
         let queues = singleton!(: Queues<CHANNELS, AXES> = Queues::new())?;
         let (interrupt_ends, ends) = queues.split(&COUNTS);
-        let scale = scale(image.as_ref(), SCHEDULE.sample_rate_hz);
+        let scale = scale::<BoardGyro, CHANNELS, AXES>(image.as_ref(), SCHEDULE.sample_rate_hz);
         let tables_only = tables.map(|(tables, _)| tables);
         let sampling = Sampling::new(gyro, interrupt_ends, tables_only, SCHEDULE, scale, offsets);
         // In its place before the first interrupt, which would else have to move it.

@@ -2,12 +2,16 @@
 
 use embedded_io::{Read, ReadReady, Write};
 use embedded_storage::nor_flash::NorFlash;
+use tempco_link::FaultSet;
 use tempco_replay::Outcome;
 use tempco_sensors::SensorFault;
 use tempco_store::Region;
 
 /// The gyro's electronics; used by the sampling interrupt alone, and must not wait for anything.
 pub trait Gyro<const C: usize, const A: usize> {
+    /// Pulses of the gyro per count; a quarter where every edge of two waves in quadrature counts.
+    const PULSES_PER_COUNT: f32;
+
     /// Counts since the last call, channel by channel.
     fn counts(&mut self) -> [[i32; A]; C];
 
@@ -88,6 +92,8 @@ pub struct Devices<L, T, W> {
     pub watchdog: W,
     /// Why the unit started.
     pub reset_cause: ResetCause,
+    /// What the board found wrong with itself; it stays present until the next reset.
+    pub faults: FaultSet,
 }
 
 /// What the link is made of.

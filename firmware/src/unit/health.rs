@@ -8,7 +8,12 @@ use tempco_link::{Fault, FaultSet};
 const HOLD_MS: u32 = 1000;
 
 /// Faults that stay present until the next reset: nothing that happens later takes them back.
-const LATCHED: [Fault; 3] = [Fault::WatchdogReset, Fault::Crash, Fault::BrownOut];
+const LATCHED: [Fault; 4] = [
+    Fault::WatchdogReset,
+    Fault::Crash,
+    Fault::BrownOut,
+    Fault::Clock,
+];
 
 /// Flags of the compensator, with the faults that they are.
 const OF_STATUS: [(Status, Fault); 7] = [

@@ -4,7 +4,7 @@ use tempco_image::{Image, Unit as AxisUnit};
 use tempco_link::{Counters, Fault, Server};
 use tempco_replay::Schedule;
 
-use super::devices::{Devices, Flash, Link, ResetCause, SampleClock, Thermometers, Watchdog};
+use super::devices::{Devices, Flash, Gyro, Link, ResetCause, SampleClock, Thermometers, Watchdog};
 use super::exchange::MainEnds;
 use super::health::LiveNess;
 use super::service::Service;
@@ -84,6 +84,7 @@ where
             thermometers,
             mut watchdog,
             reset_cause,
+            faults,
         } = devices;
         let first_session = parts.storage.boot_number() << 16;
         let stack_is_sound = parts.stack_is_sound;
@@ -95,6 +96,9 @@ where
             ResetCause::Watchdog => service.note(Fault::WatchdogReset, 0),
             ResetCause::BrownOut => service.note(Fault::BrownOut, 0),
             ResetCause::PowerOn | ResetCause::Commanded => {}
+        }
+        for fault in faults.iter() {
+            service.note(fault, 0);
         }
         if !known_answer::is_right() {
             service.note(Fault::KnownAnswer, 0);
@@ -223,7 +227,7 @@ fn dropped(counters: &Counters) -> u32 {
 
 /// From counts per sample to the unit of each axis of an image, or to pulses per second without
 /// one.
-pub fn scale<const C: usize, const A: usize>(
+pub fn scale<G: Gyro<C, A>, const C: usize, const A: usize>(
     image: Option<&Image>,
     sample_rate_hz: f32,
 ) -> [[f32; A]; C] {
@@ -239,7 +243,7 @@ pub fn scale<const C: usize, const A: usize>(
                 Some(AxisUnit::Radps) => SCALE_FACTOR_ARCSEC * core::f32::consts::PI / 648_000.0,
                 _ => 1.0,
             };
-            per_pulse * sample_rate_hz
+            G::PULSES_PER_COUNT * per_pulse * sample_rate_hz
         })
     })
 }

@@ -123,6 +123,8 @@ impl<const C: usize> Thermometers<C> for Sensors {
 struct Counter(Rc<Cell<i32>>);
 
 impl<const C: usize, const A: usize> Gyro<C, A> for Counter {
+    const PULSES_PER_COUNT: f32 = 1.0;
+
     fn counts(&mut self) -> [[i32; A]; C] {
         [[self.0.get(); A]; C]
     }
@@ -247,7 +249,7 @@ impl Bench {
             interrupt_ends,
             tables.as_ref(),
             SCHEDULE,
-            scale(image.as_ref(), SCHEDULE.sample_rate_hz),
+            scale::<Counter, CHANNELS, AXES>(image.as_ref(), SCHEDULE.sample_rate_hz),
             offsets,
         );
         let parts = Parts {
@@ -264,6 +266,7 @@ impl Bench {
             thermometers: Sensors(self.readings.clone()),
             watchdog: Dog(self.fed.clone()),
             reset_cause,
+            faults: FaultSet::NONE,
         };
         let mut unit = Unit::new(parts, devices, crash);
         let result = test(self, &mut unit);

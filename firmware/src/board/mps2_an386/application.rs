@@ -1,6 +1,7 @@
 //! The board's set-up for the application.
 
 use cortex_m_rt::exception;
+use tempco_link::FaultSet;
 use tempco_store::Region;
 
 use super::bench::{BenchGyro, BenchThermometers};
@@ -52,6 +53,7 @@ pub fn take(
         watchdog: BoardWatchdog(()),
         // The board does not tell; the watchdog's warning does.
         reset_cause: ResetCause::PowerOn,
+        faults: FaultSet::NONE,
     };
     for interrupt in [Interrupt::UARTRX0, Interrupt::UARTRX1] {
         // SAFETY: the handlers have what they need, and nothing relies on their being masked.

@@ -111,6 +111,8 @@ impl BenchGyro {
 }
 
 impl<const C: usize, const A: usize> Gyro<C, A> for BenchGyro {
+    const PULSES_PER_COUNT: f32 = 1.0;
+
     fn counts(&mut self) -> [[i32; A]; C] {
         let mut counts = COUNTS.iter().map(|counts| counts.load(Ordering::Relaxed));
         core::array::from_fn(|_| core::array::from_fn(|_| counts.next().unwrap_or(0)))

@@ -62,6 +62,9 @@ impl Counters {
 }
 
 impl<const C: usize, const A: usize> Gyro<C, A> for Counters {
+    /// Every edge of two waves counts.
+    const PULSES_PER_COUNT: f32 = 0.25;
+
     fn counts(&mut self) -> [[i32; A]; C] {
         const { assert!(C * A <= AXES, "the board has three axes") };
         let mut axes = self.differences().into_iter();

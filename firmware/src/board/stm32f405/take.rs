@@ -5,6 +5,7 @@ use cortex_m::peripheral::scb::SystemHandler;
 use stm32f4xx_hal::gpio::PinState;
 use stm32f4xx_hal::pac;
 use stm32f4xx_hal::prelude::*;
+use tempco_link::{Fault, FaultSet};
 
 use super::clocks::{self, Source};
 use super::flash::Sectors;
@@ -45,9 +46,6 @@ pub fn take(
     BoardGyro,
 )> {
     let board = set_up(core)?;
-    if board.clock == Source::Internal {
-        crate::warn!("the crystal does not start");
-    }
     Some((board.devices, board.flash, board.gyro))
 }
 
@@ -96,6 +94,10 @@ pub fn set_up(core: &mut Peripherals) -> Option<Stm32f405> {
             thermometers: Sensors::new(chip.SPI1, (a.pa5, a.pa6, a.pa7), selects, rcc)?,
             watchdog: IndependentWatchdog::new(feeder),
             reset_cause,
+            faults: match clock {
+                Source::Internal => Fault::Clock.into(),
+                Source::Crystal | Source::Fixed => FaultSet::NONE,
+            },
         },
     })
 }
