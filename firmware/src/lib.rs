@@ -11,7 +11,7 @@
 //! - `measure`: counts instructions in QEMU; only on a target
 //! - `target`: semihosting, panics and faults; only on a target
 //! - `logger`: where logs go
-//! - [`unit`]: the application of gyro electronics, with its sampling interrupt, link and store
+//! - [`unit`](mod@unit): the application of gyro electronics, with its sampling interrupt, link and store
 //! - `reset`, `sample_clock`, `stack`: what the application needs of a Cortex-M
 //! - `guard`: in place of `target` with the feature `link-guard`, a panic that does not link, and
 //!   calls of what must link with it

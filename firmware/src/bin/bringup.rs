@@ -1,8 +1,8 @@
 //! Image `bringup`: sets the board up and shows what it finds, for the first hours of a new board.
 //!
 //! Logs the clock, the reset cause, the flash and the sensors; then sends back what comes on the
-//! link until a zero comes, while the sampling interrupt reads the counters at 2 kHz; then logs
-//! what was counted, and what the link has lost. It erases nothing.
+//! link until a zero comes, while the sampling interrupt reads the counters at 2 kHz; before and
+//! after, it logs what was counted, and in the end what the link has lost. It erases nothing.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(not(target_os = "none"))]
@@ -75,10 +75,10 @@ mod image {
             cortex_m::asm::wfi();
         }
         log_temperatures(&mut devices.thermometers);
+        log_counts();
 
         echo(&mut devices.link, &mut devices.watchdog);
-        let counts = COUNTS.each_ref().map(|count| count.load(Ordering::Relaxed));
-        defmt::info!("counts {} in {=u32} samples", counts, samples());
+        log_counts();
         defmt::info!("link {}", devices.link.errors());
         exit(true)
     }
@@ -88,6 +88,15 @@ mod image {
         for (sensor, reading) in sensors.read().into_iter().enumerate() {
             defmt::info!("sensor {=usize}: {}", sensor, reading);
         }
+    }
+
+    /// Counts since the start, which wrap.
+    fn log_counts() {
+        let (counts, samples) = interrupt::free(|_| {
+            let counts = COUNTS.each_ref().map(|count| count.load(Ordering::Relaxed));
+            (counts, samples())
+        });
+        defmt::info!("counts {} in {=u32} samples", counts, samples);
     }
 
     /// Sends back what comes, the zero at the end included.

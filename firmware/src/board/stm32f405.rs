@@ -10,7 +10,7 @@
 //! - `flash`, [`store`]: six sectors for tables and logs
 //! - `gyro`: counters and the data-ready pin
 //! - `output`, [`frame`]: every sample to USART6 by DMA
-//! - `sensors`: platinum resistors on SPI1
+//! - `sensors`, [`sensor`]: platinum resistors on SPI1
 //! - `watchdog`: the independent watchdog
 //! - [`reset`]: why the chip started
 //!
@@ -27,7 +27,8 @@
 //!   32767 counts on axis z, which has 16 bits.
 //! - Bytes from the host are lost, and counted as overruns; the link's protocol repeats.
 //!
-//! Programming stops the processor for 16 us per byte, and bytes are programmed one by one.
+//! Programming goes byte by byte, each of which stops the processor for 16 us, at most 100 us. Samples
+//! come late by as much, and none is lost.
 //!
 //! # In QEMU
 //! Machine `netduinoplus2` has USART, SPI and flash, timers that count time instead of pulses, and
@@ -39,6 +40,7 @@
 
 pub mod frame;
 pub mod reset;
+pub mod sensor;
 pub mod store;
 
 #[cfg(all(target_os = "none", feature = "board-stm32f405"))]

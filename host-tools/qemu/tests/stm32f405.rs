@@ -18,7 +18,7 @@ use tempco_firmware::board::mps2_an386::nor::Nor;
 use tempco_firmware::board::stm32f405::store::{REGIONS, SECTOR, SECTORS};
 use tempco_hil::{Patience, Unit, open};
 use tempco_image::{AlignedBytes, Channel, ChannelHistory, Info, Unit as AxisUnit, encode};
-use tempco_link::Fault;
+use tempco_link::{Fault, Request};
 use tempco_qemu::{Board, Machine, MachineOptions, Variant, build_variant};
 use tempco_store::Store;
 
@@ -31,6 +31,11 @@ const STORE: u32 = 0x0804_0000;
 /// Words that a loader puts where fault log and offsets begin: sectors 8 and 10.
 const FAULTS: (u32, u32) = (0x0808_0000, 0x1234_5678);
 const OFFSETS: (u32, u32) = (0x080c_0000, 0x9abc_def0);
+
+/// The timers of the axes x, y, z.
+const TIM2: u32 = 0x4000_0000;
+const TIM5: u32 = 0x4000_0c00;
+const TIM4: u32 = 0x4000_0800;
 
 /// QEMU's flash cannot be programmed by the image, but may hold anything at first.
 fn loader(path: &Path, address: u32) -> [String; 2] {
@@ -60,6 +65,43 @@ fn numbers(line: &str) -> Vec<i64> {
         .collect()
 }
 
+/// The timers count nanoseconds. Interrupts are whole periods apart, more than one where the emulator
+/// was late, and the first comes soon after the timers were started.
+fn check_counts(line: &str) {
+    const PERIOD: i64 = 500_000;
+    println!("{line}");
+    let [x, y, _, samples] = numbers(line)[..] else {
+        panic!("{line}")
+    };
+    assert!(samples >= 200, "{line}");
+    for counted in [x, y] {
+        assert!(
+            (samples..4 * samples).contains(&(counted / PERIOD)),
+            "{line}"
+        );
+        assert!(counted % PERIOD < PERIOD / 5, "{line}");
+    }
+}
+
+/// QEMU has the registers of encoder mode without the mode: both inputs are captured, both count, and
+/// the counters wrap at their full width.
+fn check_encoders(machine: &mut Machine) {
+    for (timer, width) in [(TIM2, u32::MAX), (TIM5, u32::MAX), (TIM4, 0xffff)] {
+        let mut register = |offset| {
+            let bytes = machine.read_memory(timer + offset, 4).unwrap();
+            u32::from_le_bytes(bytes.try_into().unwrap())
+        };
+        let [cr1, smcr, ccmr1, ccer, arr] = [0x00, 0x08, 0x18, 0x20, 0x2c].map(&mut register);
+        assert_eq!(cr1 & 1, 1, "{timer:#x} is off");
+        assert_eq!(
+            (smcr & 7, ccmr1, ccer & 0x33),
+            (3, 0x0101, 0x11),
+            "{timer:#x}"
+        );
+        assert_eq!(arr, width, "{timer:#x}");
+    }
+}
+
 #[test]
 fn the_board_comes_up_and_its_devices_answer() {
     let folder = tempfile::tempdir().unwrap();
@@ -73,11 +115,13 @@ fn the_board_comes_up_and_its_devices_answer() {
         );
         extra.extend(["-device".to_owned(), loader]);
     }
+    // Time by instructions, so that interrupts come on time.
+    extra.extend(["-icount".to_owned(), "shift=3,sleep=off".to_owned()]);
     let options = MachineOptions {
         extra,
         ..MachineOptions::default()
     };
-    let machine = Machine::start(&image(BOARD, "bringup", None), BOARD, &options).unwrap();
+    let mut machine = Machine::start(&image(BOARD, "bringup", None), BOARD, &options).unwrap();
 
     let log = wait_for(&machine, "info echo");
     assert!(log[1].contains("clock Fixed, reset by PowerOn"), "{log:#?}");
@@ -87,6 +131,8 @@ fn the_board_comes_up_and_its_devices_answer() {
     // There is no chip on the bus, before and after the time of a conversion.
     let missing = log.iter().filter(|line| line.ends_with("Err(Bus)")).count();
     assert_eq!(missing, 6, "{log:#?}");
+    check_counts(&log[12]);
+    check_encoders(&mut machine);
 
     // More than the queue of the interrupt holds.
     let mut link = UnixStream::connect(machine.link()).unwrap();
@@ -99,17 +145,8 @@ fn the_board_comes_up_and_its_devices_answer() {
     assert_eq!(echo, sent);
 
     let log = wait_for(&machine, "info link");
-    let [.., counts, link] = log.as_slice() else {
-        panic!("{log:#?}")
-    };
-    assert_eq!(numbers(link), [0, 0, 0], "bytes were lost: {link}");
-    let [x, y, _, samples] = numbers(counts)[..] else {
-        panic!("{counts}")
-    };
-    println!("{counts}");
-    assert!(samples > 200, "{counts}");
-    // The timers count time, and the same one.
-    assert!(x > 0 && (x - y).abs() < x / 10, "{counts}");
+    let lost = numbers(&log[log.len() - 1]);
+    assert_eq!(lost, [0, 0, 0], "bytes were lost: {log:#?}");
 }
 
 /// The flash of a unit that was given the example table, byte by byte.
@@ -193,4 +230,10 @@ fn the_application_takes_its_table_from_the_flash_and_serves_the_link() {
     let faults = unit.built_in_test().unwrap();
     println!("{faults:?}");
     assert!(faults.contains(Fault::SensorBus) && !faults.contains(Fault::NoTable));
+
+    unit.command(&Request::Activate).unwrap();
+    unit.reconnect().unwrap();
+    let third = unit.telemetry(0).unwrap();
+    assert_eq!(third.index, first.index, "it did not start anew");
+    assert_eq!(unit.identify().unwrap().table_crc, example::CRC);
 }

@@ -44,8 +44,25 @@ pub(crate) fn run() -> Result<()> {
     ] {
         step(&workspace, &mut cargo(&workspace, &job))?;
     }
-    // One board of each other kind of processor.
-    for board in [Board::Mps2An505, Board::Mps2An385, Board::Microbit] {
+    // The application, on the boards that it is for.
+    for board in [Board::Mps2An386, Board::Stm32F405] {
+        let features = board.feature() + ",application";
+        let mut lint = cargo(
+            &workspace,
+            &["clippy", "--lib", "--bin", "unit", "--locked"],
+        );
+        lint.args(["--package", "tempco-firmware", "--no-default-features"])
+            .args(["--target", board.target(), "--features", &features])
+            .args(["--", "-D", "warnings"]);
+        step(&workspace, &mut lint)?;
+    }
+    // The real board, and one of each other kind of processor.
+    for board in [
+        Board::Stm32F405,
+        Board::Mps2An505,
+        Board::Mps2An385,
+        Board::Microbit,
+    ] {
         ensure_target_of(&workspace, board)?;
         let feature = board.feature();
         let mut lint = cargo(&workspace, &["clippy", "--bins", "--locked"]);

@@ -116,21 +116,27 @@ pub(super) mod registers {
         use super::{AtomicU32, FLASH_WORDS, RW, WatchdogRegisters, uart};
 
         pub(super) fn uart0() -> &'static uart::Registers {
+            // SAFETY: as said of the module.
             unsafe { &*core::ptr::with_exposed_provenance(0x4000_4000) }
         }
         pub(super) fn uart1() -> &'static uart::Registers {
+            // SAFETY: as said of the module.
             unsafe { &*core::ptr::with_exposed_provenance(0x4000_5000) }
         }
         pub(super) fn watchdog() -> &'static WatchdogRegisters {
+            // SAFETY: as said of the module.
             unsafe { &*core::ptr::with_exposed_provenance(0x4000_8000) }
         }
         pub(super) fn lamps() -> &'static RW<u32> {
+            // SAFETY: as said of the module.
             unsafe { &*core::ptr::with_exposed_provenance(0x4002_8000) }
         }
         pub(super) fn flash() -> &'static [AtomicU32; FLASH_WORDS] {
+            // SAFETY: as said of the module.
             unsafe { &*core::ptr::with_exposed_provenance(0x2100_0000) }
         }
         pub(super) fn write(register: &RW<u32>, value: u32) {
+            // SAFETY: as said of the module.
             unsafe { register.write(value) }
         }
     }

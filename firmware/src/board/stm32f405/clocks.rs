@@ -34,13 +34,26 @@ pub(super) fn start(rcc: pac::RCC) -> (Rcc, Source) {
     if rcc.cr().read().hsirdy().is_not_ready() {
         return (rcc.constrain(), Source::Fixed);
     }
-    let (config, source) = if crystal_starts(&rcc) {
-        (Config::hse(CRYSTAL_MHZ.MHz()), Source::Crystal)
+    if crystal_starts(&rcc) {
+        let rcc = rcc.freeze(Config::hse(CRYSTAL_MHZ.MHz()).sysclk(168.MHz()));
+        // From now on a crystal that stops is a non-maskable interrupt.
+        rcc.cr().modify(|_, w| w.csson().on());
+        (rcc, Source::Crystal)
     } else {
         rcc.cr().modify(|_, w| w.hseon().off());
-        (Config::hsi(), Source::Internal)
-    };
-    (rcc.freeze(config.sysclk(168.MHz())), source)
+        let rcc = rcc.freeze(Config::hsi().sysclk(168.MHz()));
+        (rcc, Source::Internal)
+    }
+}
+
+/// The crystal has stopped, and the processor runs from the internal oscillator at 16 MHz: nothing
+/// is on time any more. After the reset it is at 168 MHz again.
+// SAFETY: the handler writes atomics and resets the processor; it returns to nothing.
+#[cfg(feature = "application")]
+#[allow(unsafe_code)]
+#[cortex_m_rt::exception]
+unsafe fn NonMaskableInt() -> ! {
+    crate::reset::because(crate::reset::Reason::Crash(line!()))
 }
 
 fn crystal_starts(rcc: &pac::RCC) -> bool {

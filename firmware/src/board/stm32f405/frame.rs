@@ -27,9 +27,8 @@ static CRC: Crc<u16, Table<1>> = Crc::<u16, Table<1>>::new(&CRC_16_IBM_3740);
 pub fn encode<const C: usize, const A: usize>(number: u16, outcome: &Outcome<C, A>) -> [u8; LEN] {
     const { assert!(C * A <= AXES, "the board has three axes") };
     let mut bytes = [0; LEN];
-    let words = &mut bytes;
-    words[0..2].copy_from_slice(&MAGIC.to_le_bytes());
-    words[2..4].copy_from_slice(&number.to_le_bytes());
+    bytes[0..2].copy_from_slice(&MAGIC.to_le_bytes());
+    bytes[2..4].copy_from_slice(&number.to_le_bytes());
     let mut axes = outcome.channels.iter().flat_map(|channel| {
         let status = channel.status as u16;
         channel
@@ -39,11 +38,11 @@ pub fn encode<const C: usize, const A: usize>(number: u16, outcome: &Outcome<C, 
     });
     for axis in 0..AXES {
         let (value, status) = axes.next().unwrap_or((f32::NAN, 0));
-        words[4 + 4 * axis..8 + 4 * axis].copy_from_slice(&value.to_le_bytes());
-        words[16 + 2 * axis..18 + 2 * axis].copy_from_slice(&status.to_le_bytes());
+        bytes[4 + 4 * axis..8 + 4 * axis].copy_from_slice(&value.to_le_bytes());
+        bytes[16 + 2 * axis..18 + 2 * axis].copy_from_slice(&status.to_le_bytes());
     }
-    let crc = CRC.checksum(&words[..LEN - 2]);
-    words[LEN - 2..].copy_from_slice(&crc.to_le_bytes());
+    let crc = CRC.checksum(&bytes[..LEN - 2]);
+    bytes[LEN - 2..].copy_from_slice(&crc.to_le_bytes());
     bytes
 }
 
@@ -73,7 +72,6 @@ mod tests {
         ];
         let frame = encode(0x1234, &outcome);
         assert_eq!(frame[..22], expected);
-        // A receiver finds zero over the frame with its CRC in the order of transmission.
         assert_eq!(
             bitwise_crc(&frame[..22]),
             u16::from_le_bytes([frame[22], frame[23]])

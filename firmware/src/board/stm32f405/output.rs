@@ -1,6 +1,5 @@
 //! Sends frames on USART6 without the processor.
 
-use stm32f4xx_hal::ReadFlags as _;
 use stm32f4xx_hal::dma::config::DmaConfig;
 use stm32f4xx_hal::dma::{DMAError, MemoryToPeripheral, Stream6, StreamsTuple, Transfer};
 use stm32f4xx_hal::gpio::PC6;
@@ -48,9 +47,12 @@ impl Output {
 
     /// Begins to send a frame, unless the last one is still on its way; then it is left out.
     pub(super) fn send(&mut self, frame: [u8; frame::LEN]) {
-        if self.is_sending && !self.transfer.flags().is_transfer_complete() {
+        let flags = self.transfer.flags();
+        if self.is_sending && !flags.is_transfer_complete() && !flags.is_transfer_error() {
             return;
         }
+        // The chip starts no transfer while there is a flag of the last one.
+        self.transfer.clear_all_flags();
         let Some(buffer) = self.spare.take() else {
             return;
         };

@@ -9,26 +9,16 @@ use stm32f4xx_hal::pac::SPI1;
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Rcc;
 use stm32f4xx_hal::spi::Spi;
-use tempco_sensors::{Filter, Max31865, Platinum, SensorFault, Wires};
+use tempco_sensors::SensorFault;
 
 use super::SENSORS;
+use super::sensor::Sensor;
 use crate::unit::devices::Thermometers;
-
-/// The reference resistor beside each chip \[ohm\].
-const REFERENCE_OHM: f64 = 4000.0;
-
-/// Temperatures beyond which the chip reports a broken wire \[degC\].
-const RANGE_C: (f64, f64) = (-80.0, 170.0);
 
 type Device = RefCellDevice<'static, Spi<SPI1>, ErasedPin<Output>, NoDelay>;
 
-struct Sensor {
-    chip: Max31865<Device>,
-    is_started: bool,
-}
-
 /// The sensors; channel by channel the first, second and third.
-pub struct Sensors([Sensor; SENSORS]);
+pub struct Sensors([Sensor<Device>; SENSORS]);
 
 impl Sensors {
     /// `None` where they were made before.
@@ -42,38 +32,10 @@ impl Sensors {
         let spi = Spi::new(spi, pins, MODE_1, 1.MHz(), rcc);
         let bus: &'static RefCell<_> =
             cortex_m::singleton!(: RefCell<Spi<SPI1>> = RefCell::new(spi))?;
-        Some(Self(selects.map(|mut select| {
-            select.set_high();
+        Some(Self(selects.map(|select| {
             let Ok(device) = RefCellDevice::new_no_delay(bus, select);
             Sensor::new(device)
         })))
-    }
-}
-
-impl Sensor {
-    fn new(device: Device) -> Self {
-        Self {
-            chip: Max31865::new(
-                device,
-                Platinum::PT1000,
-                REFERENCE_OHM,
-                Wires::TwoOrFour,
-                Filter::Hz50,
-            ),
-            is_started: false,
-        }
-    }
-
-    /// A chip that did not answer, or lost its supply, is started again.
-    fn read(&mut self) -> Result<f32, SensorFault> {
-        if !self.is_started {
-            self.chip.start(RANGE_C.0, RANGE_C.1)?;
-            self.is_started = true;
-            return Err(SensorFault::NotReady);
-        }
-        let reading = self.chip.read();
-        self.is_started = reading != Err(SensorFault::Bus);
-        reading
     }
 }
 

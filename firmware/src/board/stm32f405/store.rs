@@ -24,3 +24,26 @@ const fn region(first: u32, sectors: u32) -> Region {
         len: sectors * SECTOR,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::format;
+
+    const MEMORY: &str = include_str!("../../../boards/stm32f405.x");
+
+    /// The linker knows where the store begins, and this module how long it is.
+    #[test]
+    fn the_memory_file_has_as_many_sectors() {
+        let len = SECTORS as u32 * SECTOR / 1024;
+        let region = format!("STORE : ORIGIN = 0x08040000, LENGTH = {len}K\n");
+        assert!(MEMORY.contains(&region), "no `{region}` in {MEMORY}");
+        let [a, b] = REGIONS.slots;
+        let mut end = 0;
+        for region in [a, b, REGIONS.faults, REGIONS.offsets] {
+            assert_eq!(region.start, end);
+            end += region.len;
+        }
+        assert_eq!(end, SECTORS as u32 * SECTOR);
+    }
+}

@@ -2,6 +2,7 @@
 
 use cortex_m::Peripherals;
 use cortex_m::peripheral::scb::SystemHandler;
+use stm32f4xx_hal::gpio::PinState;
 use stm32f4xx_hal::pac;
 use stm32f4xx_hal::prelude::*;
 
@@ -71,9 +72,9 @@ pub fn set_up(core: &mut Peripherals) -> Option<Stm32f405> {
 
     let feeder = Feeder::new(chip.IWDG, &chip.DBGMCU)?;
     let selects = [
-        a.pa4.into_push_pull_output().erase(),
-        c.pc4.into_push_pull_output().erase(),
-        c.pc5.into_push_pull_output().erase(),
+        a.pa4.into_push_pull_output_in_state(PinState::High).erase(),
+        c.pc4.into_push_pull_output_in_state(PinState::High).erase(),
+        c.pc5.into_push_pull_output_in_state(PinState::High).erase(),
     ];
     let gyro = gyro::Parts {
         x: (

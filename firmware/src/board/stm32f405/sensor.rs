@@ -1,0 +1,127 @@
+//! A platinum resistor of 1000 ohm at a MAX31865 that may be missing, or come later.
+
+use embedded_hal::spi::SpiDevice;
+use tempco_sensors::{Filter, Max31865, Platinum, SensorFault, Wires};
+
+/// The reference resistor beside the chip \[ohm\].
+pub const REFERENCE_OHM: f64 = 4000.0;
+
+/// Temperatures beyond which the chip reports a broken wire \[degC\].
+const RANGE_C: (f64, f64) = (-80.0, 170.0);
+
+/// The chip, which is started when it first answers.
+pub struct Sensor<SPI> {
+    chip: Max31865<SPI>,
+    is_started: bool,
+}
+
+impl<SPI: SpiDevice> Sensor<SPI> {
+    /// Nothing is sent yet.
+    pub fn new(device: SPI) -> Self {
+        Self {
+            chip: Max31865::new(
+                device,
+                Platinum::PT1000,
+                REFERENCE_OHM,
+                Wires::TwoOrFour,
+                Filter::Hz50,
+            ),
+            is_started: false,
+        }
+    }
+
+    /// The last conversion \[degC\]. After any fault the chip is started again, for one that has lost
+    /// its supply for a moment no longer converts, and looks like a short circuit.
+    ///
+    /// # Errors
+    /// As of [`Max31865::read`]; [`SensorFault::NotReady`] after the first start,
+    /// [`SensorFault::Bus`] as long as a start fails.
+    pub fn read(&mut self) -> Result<f32, SensorFault> {
+        let reading = if self.is_started {
+            self.chip.read()
+        } else {
+            Err(SensorFault::NotReady)
+        };
+        if reading.is_err() {
+            let started = self.chip.start(RANGE_C.0, RANGE_C.1);
+            self.is_started = started.is_ok();
+            started?;
+        }
+        reading
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::cell::RefCell;
+
+    use embedded_hal::spi::{ErrorType, Operation};
+
+    use super::*;
+
+    /// The registers of a chip; without a supply it answers with ones.
+    struct Chip {
+        registers: [u8; 8],
+        has_supply: bool,
+    }
+
+    struct Bus<'a>(&'a RefCell<Chip>);
+
+    impl ErrorType for Bus<'_> {
+        type Error = core::convert::Infallible;
+    }
+
+    impl SpiDevice for Bus<'_> {
+        fn transaction(&mut self, steps: &mut [Operation<'_, u8>]) -> Result<(), Self::Error> {
+            let mut chip = self.0.borrow_mut();
+            let mut address = 0;
+            for step in steps {
+                match step {
+                    Operation::Write([first, values @ ..]) => {
+                        address = usize::from(first & 0x7f);
+                        if chip.has_supply {
+                            chip.registers[address..][..values.len()].copy_from_slice(values);
+                            // Clears the faults, and itself.
+                            chip.registers[0] &= !0x02;
+                        }
+                    }
+                    Operation::Read(bytes) if chip.has_supply => {
+                        bytes.copy_from_slice(&chip.registers[address..][..bytes.len()]);
+                    }
+                    Operation::Read(bytes) => bytes.fill(0xff),
+                    step => panic!("{step:?}"),
+                }
+            }
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn a_chip_that_was_away_is_started_again() {
+        let chip = RefCell::new(Chip {
+            registers: [0; 8],
+            has_supply: false,
+        });
+        let mut sensor = Sensor::new(Bus(&chip));
+        assert_eq!(sensor.read(), Err(SensorFault::Bus));
+        chip.borrow_mut().has_supply = true;
+        assert_eq!(sensor.read(), Err(SensorFault::NotReady));
+        // 1097.3 of 4000 ohm, in the upper 15 bits.
+        let code = ((1097.3 / REFERENCE_OHM * 32_768.0) as u16) << 1;
+        chip.borrow_mut().registers[1..3].copy_from_slice(&code.to_be_bytes());
+        let temp_c = sensor.read().unwrap();
+        assert!((temp_c - 25.0).abs() < 0.05, "{temp_c}");
+
+        // After a loss that nobody saw it is as after power-on: not converting.
+        chip.borrow_mut().registers = [0; 8];
+        assert_eq!(sensor.read(), Err(SensorFault::Short));
+        assert_eq!(chip.borrow().registers[0], 0xc1);
+
+        chip.borrow_mut().has_supply = false;
+        assert_eq!(sensor.read(), Err(SensorFault::Bus));
+        chip.borrow_mut().registers = [0; 8];
+        chip.borrow_mut().has_supply = true;
+        assert_eq!(sensor.read(), Err(SensorFault::NotReady));
+        assert_eq!(chip.borrow().registers[0], 0xc1);
+    }
+}
