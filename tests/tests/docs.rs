@@ -5,6 +5,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
+use tempco_link::Fault;
 use tempco_tests::{Bench, root, tempco_path};
 
 /// Splits a line as a shell does, for words and double quotes.
@@ -79,4 +80,29 @@ fn every_command_in_the_documents_works() {
         }
     }
     println!("{count} commands run");
+}
+
+/// The guide's table of faults is the firmware's list, in its order.
+#[test]
+fn the_guide_has_every_fault_with_its_class() {
+    let guide = fs::read_to_string(root().join("docs/unit.md")).unwrap();
+    let table = guide.split("| fault | class |").nth(1).unwrap();
+    let rows = table.lines().skip(2).take_while(|line| !line.is_empty());
+    let found: Vec<(&str, &str)> = rows
+        .map(|row| {
+            let mut cells = row.split('|').map(str::trim).skip(1);
+            (cells.next().unwrap(), cells.next().unwrap())
+        })
+        .collect();
+    let expected: Vec<(&str, &str)> = Fault::ALL
+        .iter()
+        .map(|fault| {
+            let is_invalid = fault.is_invalidating();
+            (
+                fault.name(),
+                if is_invalid { "invalid" } else { "degraded" },
+            )
+        })
+        .collect();
+    assert_eq!(found, expected);
 }
