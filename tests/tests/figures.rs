@@ -163,3 +163,37 @@ fn figures(image: &Path) -> String {
         stack.len() - unused
     )
 }
+
+/// What the compiler could not rule out of all panics: the remainder by the length of a queue, in
+/// `heapless`, which is never zero. A panic resets the unit, and is in its fault log then.
+#[test]
+fn one_panic_is_left_in_the_application_and_cannot_come() {
+    let image = tempco_elf::Image::read(&build("unit", Board::Mps2An386, &SILENT)).unwrap();
+    let panics: Vec<&str> = image
+        .symbols()
+        .iter()
+        .map(String::as_str)
+        .filter(|name| is_panic(name))
+        .collect();
+    assert_eq!(
+        panics,
+        ["core::panicking::panic_const::panic_const_rem_by_zero"]
+    );
+    let application = tempco_elf::Image::read(&build("replay", Board::Mps2An386, &Variant::USUAL));
+    let application = application.unwrap();
+    let others = application.symbols().iter().filter(|name| is_panic(name));
+    assert!(others.count() > 1, "an image that formats has more");
+}
+
+/// Functions that panic, not the one that all of them end in.
+fn is_panic(name: &str) -> bool {
+    let is_end = name.ends_with("panic_fmt") || name.ends_with("begin_unwind");
+    let words = [
+        "panicking::",
+        "panic_already",
+        "unwrap_failed",
+        "expect_failed",
+        "_fail",
+    ];
+    !is_end && words.iter().any(|word| name.contains(word))
+}

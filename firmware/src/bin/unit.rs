@@ -8,7 +8,7 @@ fn main() -> std::process::ExitCode {
 
 #[cfg(all(target_os = "none", feature = "application"))]
 mod image {
-    use core::cell::RefCell;
+    use core::cell::Cell;
 
     use cortex_m::peripheral::SYST;
     use cortex_m::{Peripherals, singleton};
@@ -30,14 +30,14 @@ mod image {
     type Interrupt = (&'static mut BoardSampling, SYST);
 
     /// From the set-up to the interrupt.
-    static INTERRUPT: Mutex<RefCell<Option<Interrupt>>> = Mutex::new(RefCell::new(None));
+    static INTERRUPT: Mutex<Cell<Option<Interrupt>>> = Mutex::new(Cell::new(None));
     static COUNTS: Counts = Counts::new();
 
     #[exception]
     fn SysTick() {
         static mut OWN: Option<Interrupt> = None;
         if OWN.is_none() {
-            *OWN = critical_section::with(|cs| INTERRUPT.take(cs));
+            *OWN = critical_section::with(|cs| INTERRUPT.borrow(cs).take());
         }
         if let Some((sampling, timer)) = OWN {
             sampling.interrupt(timer.has_wrapped(), &SysTick);
@@ -91,7 +91,7 @@ mod image {
         let sampling = singleton!(: BoardSampling = sampling)?;
 
         let clock = SysTick::start(&mut core.SYST);
-        critical_section::with(|cs| INTERRUPT.replace(cs, Some((sampling, core.SYST))));
+        critical_section::with(|cs| INTERRUPT.borrow(cs).set(Some((sampling, core.SYST))));
         let parts = Parts {
             storage,
             tables,

@@ -142,7 +142,7 @@ where
 
     /// On the interrupt's schedule, so that its next temperatures are there in time.
     fn read_thermometers(&mut self) {
-        let period = self.service.schedule.samples_per_update.into();
+        let period = u32::from(self.service.schedule.samples_per_update).max(1);
         let samples = self.service.ends.counts.samples();
         if samples.wrapping_sub(self.read_at) >= period {
             // After a long stall the readings that were missed are not made up for.

@@ -9,7 +9,6 @@
 //! | `G` | axis | its counts per sample from now on, `i32` |
 //! | `S` | 0 | stops the main loop, as a defect would |
 
-use core::cell::RefCell;
 use core::sync::atomic::{AtomicI32, Ordering};
 
 use embedded_io::Read as _;
@@ -30,7 +29,7 @@ static COUNTS: [AtomicI32; MAX] = [const { AtomicI32::new(0) }; MAX];
 pub struct BenchThermometers {
     line: Uart,
     message: heapless::Vec<u8, 8>,
-    readings: RefCell<[Result<f32, SensorFault>; MAX]>,
+    readings: [Result<f32, SensorFault>; MAX],
 }
 
 impl BenchThermometers {
@@ -38,7 +37,7 @@ impl BenchThermometers {
         Self {
             line,
             message: heapless::Vec::new(),
-            readings: RefCell::new([Ok(25.0); MAX]),
+            readings: [Ok(25.0); MAX],
         }
     }
 
@@ -55,8 +54,7 @@ impl BenchThermometers {
         let [_, letter, number, _, value @ ..] = message;
         let code = u32::from_le_bytes(value);
         let number = usize::from(number);
-        let readings = self.readings.get_mut();
-        match (letter, readings.get_mut(number)) {
+        match (letter, self.readings.get_mut(number)) {
             (b'T', Some(reading)) => *reading = Ok(f32::from_bits(code)),
             (b'E', Some(reading)) => {
                 *reading = Err(match code {
@@ -91,9 +89,8 @@ impl<const C: usize> Thermometers<C> for BenchThermometers {
                 self.receive(*byte);
             }
         }
-        let readings = self.readings.get_mut();
         core::array::from_fn(|channel| {
-            readings
+            self.readings
                 .get(channel)
                 .copied()
                 .unwrap_or(Err(SensorFault::Bus))

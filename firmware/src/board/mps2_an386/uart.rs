@@ -1,6 +1,6 @@
 //! The CMSDK APB UART, received by interrupt.
 
-use core::cell::RefCell;
+use core::cell::Cell;
 use core::convert::Infallible;
 
 use critical_section::Mutex;
@@ -49,10 +49,10 @@ struct Receiver {
     received: Producer<'static, u8>,
 }
 
-type Slot = Mutex<RefCell<Option<Receiver>>>;
+type Slot = Mutex<Cell<Option<Receiver>>>;
 
 /// From the set-up to the interrupts.
-static RECEIVERS: [Slot; 2] = [const { Mutex::new(RefCell::new(None)) }; 2];
+static RECEIVERS: [Slot; 2] = [const { Mutex::new(Cell::new(None)) }; 2];
 
 impl Uart {
     /// UART0, the link. Once.
@@ -80,7 +80,7 @@ impl Uart {
         };
         critical_section::with(|cs| {
             if let Some(slot) = RECEIVERS.get(number) {
-                slot.replace(cs, Some(receiver));
+                slot.borrow(cs).set(Some(receiver));
             }
         });
         // SAFETY: writing these registers has no effect on memory; the module owns the device.
@@ -114,7 +114,7 @@ impl Receiver {
 }
 
 fn take(number: usize) -> Option<Receiver> {
-    critical_section::with(|cs| RECEIVERS.get(number)?.take(cs))
+    critical_section::with(|cs| RECEIVERS.get(number)?.borrow(cs).take())
 }
 
 #[interrupt]
