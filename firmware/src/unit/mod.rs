@@ -29,6 +29,7 @@ pub mod exchange;
 pub mod health;
 pub mod known_answer;
 mod main_loop;
+mod replays;
 pub mod rezero;
 mod sampling;
 pub mod service;

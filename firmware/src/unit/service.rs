@@ -3,23 +3,24 @@
 use core::sync::atomic::Ordering;
 
 use heapless::Vec;
+use tempco::Status;
 use tempco_image::{MAX_PLAYS, MAX_SLOW_PARTS};
 use tempco_link::{
-    Axes, ChannelTelemetry, Channels, Fault, FaultSet, Handler, MAX_BLOCK, MAX_CHUNK, Outcome,
-    OutcomeBlock, Refusal, Request, Response, Sample, SampleBlock, Telemetry,
+    Axes, Channels, Fault, FaultSet, Handler, MAX_BLOCK, MAX_CHUNK, Outcome, Refusal, Request,
+    Response, Telemetry,
 };
-use tempco_replay::{Outcome as Replayed, Replay, Sample as ReplayedSample, Schedule};
+use tempco_replay::{Replay, Schedule};
 
 use super::devices::{Flash, SampleClock, Thermometers};
-use super::exchange::{Injected, MainEnds, Moment};
+use super::exchange::{MainEnds, Moment};
 use super::health::{Health, faults_of};
 use super::known_answer;
 use super::main_loop::Parts;
+use super::replays::{axes, channels, per_axis};
 use super::rezero::{Mean, ReZero};
 use super::storage::{Storage, bank_of};
 use super::thermometry::Thermometry;
 use super::{SERIAL, UnitTables};
-use tempco::Status;
 
 const FIRMWARE: &str = concat!("tempco ", env!("CARGO_PKG_VERSION"));
 
@@ -41,7 +42,7 @@ pub struct Service<'t, F, T, K, const C: usize, const A: usize> {
     pub(super) dropped_frames: u32,
     pub(super) period_ms: u32,
     pub(super) wants_reset: bool,
-    replay: Option<Replay<'t, C, A, MAX_PLAYS, MAX_SLOW_PARTS>>,
+    pub(super) replay: Option<Replay<'t, C, A, MAX_PLAYS, MAX_SLOW_PARTS>>,
     rezero: Option<ReZero<C, A>>,
     raw: Mean<C, A>,
     bias: Mean<C, A>,
@@ -50,12 +51,15 @@ pub struct Service<'t, F, T, K, const C: usize, const A: usize> {
     /// Gyro samples when the first temperatures were sent to the interrupt.
     started_at: Option<u32>,
     telemetry_index: u32,
+    /// Gyro samples and time since power-on, as of the last look.
+    samples: u64,
+    now_ms: u32,
     /// Compensated samples of the last block.
-    block: Vec<u8, MAX_BLOCK>,
+    pub(super) block: Vec<u8, MAX_BLOCK>,
 }
 
 /// A thing per axis, channel by channel.
-type PerAxis<const C: usize, const A: usize> = [[f32; A]; C];
+pub(super) type PerAxis<const C: usize, const A: usize> = [[f32; A]; C];
 
 impl<'t, F, T, K, const C: usize, const A: usize> Service<'t, F, T, K, C, A>
 where
@@ -94,14 +98,24 @@ where
             last: None,
             started_at: None,
             telemetry_index: 0,
+            samples: 0,
+            now_ms: 0,
             block: Vec::new(),
         }
     }
 
-    /// Time since power-on by the sampling interrupt \[ms\].
-    pub(super) fn now_ms(&self) -> u32 {
-        let per_s = self.schedule.sample_rate_hz as u64;
-        (u64::from(self.ends.counts.samples()) * 1000 / per_s.max(1)) as u32
+    /// Time since power-on by the sampling interrupt, at the last look at it; it begins again after
+    /// 49 days \[ms\].
+    pub(super) const fn now_ms(&self) -> u32 {
+        self.now_ms
+    }
+
+    fn look_at_time(&mut self) {
+        // The interrupt counts 32 bits, of which these are the continuation.
+        let since = self.ends.counts.samples().wrapping_sub(self.samples as u32);
+        self.samples += u64::from(since);
+        let per_s = (self.schedule.sample_rate_hz as u64).max(1);
+        self.now_ms = (self.samples * 1000 / per_s) as u32;
     }
 
     /// Notes a fault, in the log too if it is new.
@@ -111,7 +125,8 @@ where
             return;
         }
         crate::warn!("fault {}: {=u32}", fault, detail);
-        let recorded = self.storage.record(fault, now_ms / 1000, detail);
+        let uptime_s = (self.samples as f32 / self.schedule.sample_rate_hz) as u32;
+        let recorded = self.storage.record(fault, uptime_s, detail);
         if recorded.is_err() && fault != Fault::Flash {
             self.health.note(Fault::Flash, now_ms);
         }
@@ -255,105 +270,9 @@ where
         self.ends.counts.overruns.load(Ordering::Relaxed)
     }
 
-    fn step(&mut self, sample: &Sample) -> Response<'static> {
-        let (Some(temps_c), Some(raw)) = (array(&sample.temps_c), per_axis(&sample.raw)) else {
-            return Response::Refused(Refusal::Unknown);
-        };
-        let Some((tables, _)) = self.tables else {
-            return Response::Refused(Refusal::Unsupported);
-        };
-        let replay = self.replay.get_or_insert_with(|| Replay::new(tables));
-        let outcome = replay.step(&ReplayedSample {
-            dt_s: sample.dt_s,
-            temps_c,
-            raw,
-        });
-        let of = |part: fn(&tempco_replay::ChannelOutcome<A>) -> [f32; A]| {
-            axes(&outcome.channels.each_ref().map(part))
-        };
-        Response::Outcome(Outcome {
-            channels: channels(&outcome),
-            bias: of(|channel| channel.bias),
-            compensated: of(|channel| channel.compensated),
-        })
-    }
-
-    fn block(&mut self, block: &SampleBlock) -> Response<'_> {
-        let sample_len = 4 * C * A;
-        let is_whole = block.raw.len().is_multiple_of(sample_len) && !block.raw.is_empty();
-        let temps_c = array(&block.temps_c);
-        if !is_whole
-            || block.raw.len() > MAX_BLOCK
-            || temps_c.is_none() && !block.temps_c.is_empty()
-        {
-            return Response::Refused(Refusal::Unknown);
-        }
-        if let Some(temps_c) = temps_c {
-            self.inject(Injected::Temperatures(temps_c));
-        }
-        for bytes in block.raw.chunks_exact(sample_len) {
-            let mut values = bytes
-                .as_chunks()
-                .0
-                .iter()
-                .map(|bytes| f32::from_le_bytes(*bytes));
-            let raw = core::array::from_fn(|_| {
-                core::array::from_fn(|_| values.next().unwrap_or(f32::NAN))
-            });
-            self.inject(Injected::Sample(raw));
-        }
-        self.block.clear();
-        let mut last = None;
-        for _ in 0..block.raw.len() / sample_len {
-            let Some(outcome) = self.reply(block.real_time) else {
-                return Response::Refused(Refusal::Busy);
-            };
-            for value in outcome
-                .channels
-                .iter()
-                .flat_map(|channel| &channel.compensated)
-            {
-                // Cannot fail: there are as many as came in.
-                _ = self.block.extend_from_slice(&value.to_le_bytes());
-            }
-            last = Some(outcome);
-        }
-        let Some(last) = last else {
-            return Response::Refused(Refusal::Unknown);
-        };
-        Response::Block(OutcomeBlock {
-            channels: channels(&last),
-            bias: axes(&last.channels.each_ref().map(|channel| channel.bias)),
-            compensated: &self.block,
-        })
-    }
-
-    /// Cannot fail: the queue has room for a block, and is empty between two.
-    fn inject(&mut self, injected: Injected<C, A>) {
-        _ = self.ends.injected.enqueue(injected);
-    }
-
-    /// What the interrupt made of the next injected sample; none if it did not come in time.
-    fn reply(&mut self, real_time: bool) -> Option<Replayed<C, A>> {
-        const LATEST: u32 = 4;
-        let from = self.ends.counts.samples();
-        // Other interrupts end a sleep too, so it is the gyro's samples that count.
-        while self.ends.counts.samples().wrapping_sub(from) < LATEST {
-            if let Some(outcome) = self.ends.replies.dequeue() {
-                return Some(outcome);
-            }
-            if real_time {
-                self.clock.sleep();
-            } else {
-                self.clock.interrupt_now();
-            }
-            self.drain();
-        }
-        None
-    }
-
     /// Takes what the interrupt has measured.
     pub(super) fn drain(&mut self) {
+        self.look_at_time();
         while let Some(moment) = self.ends.moments.dequeue() {
             self.take(&moment);
         }
@@ -411,8 +330,7 @@ where
             }
             Request::Sample(sample) => self.step(&sample),
             Request::Restart => {
-                self.replay = None;
-                self.inject(Injected::Restart);
+                self.restart();
                 Response::Done
             }
             Request::Block(block) => self.block(&block),
@@ -457,28 +375,4 @@ where
             _ => Response::Refused(Refusal::Unknown),
         }
     }
-}
-
-fn channels<const C: usize, const A: usize>(
-    outcome: &Replayed<C, A>,
-) -> Channels<ChannelTelemetry> {
-    let channels = outcome.channels.iter().map(|channel| ChannelTelemetry {
-        effective_c: channel.effective_c,
-        rate_c_per_min: channel.rate_c_per_min,
-        status: channel.flags().bits(),
-    });
-    channels.collect()
-}
-
-fn axes<const C: usize, const A: usize>(values: &PerAxis<C, A>) -> Axes {
-    values.as_flattened().iter().copied().collect()
-}
-
-fn array<const C: usize>(values: &[f32]) -> Option<[f32; C]> {
-    values.try_into().ok()
-}
-
-fn per_axis<const C: usize, const A: usize>(values: &[f32]) -> Option<PerAxis<C, A>> {
-    let (channels, rest) = values.as_chunks::<A>();
-    rest.is_empty().then(|| channels.try_into().ok()).flatten()
 }

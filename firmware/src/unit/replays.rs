@@ -1,0 +1,148 @@
+//! Logs in place of the gyro: rows through a compensator of their own, blocks through the sampling
+//! interrupt.
+
+use tempco_link::{
+    Axes, ChannelTelemetry, Channels, MAX_BLOCK, Outcome, OutcomeBlock, Refusal, Response, Sample,
+    SampleBlock,
+};
+use tempco_replay::{Outcome as Replayed, Replay, Sample as ReplayedSample};
+
+use super::devices::{Flash, SampleClock, Thermometers};
+use super::exchange::Injected;
+use super::service::{PerAxis, Service};
+
+impl<F, T, K, const C: usize, const A: usize> Service<'_, F, T, K, C, A>
+where
+    F: Flash,
+    T: Thermometers<C>,
+    K: SampleClock,
+{
+    /// The next sample or block is the first one after power-on.
+    pub(super) fn restart(&mut self) {
+        self.replay = None;
+        self.inject(Injected::Restart);
+    }
+
+    /// One row of any log.
+    pub(super) fn step(&mut self, sample: &Sample) -> Response<'static> {
+        let (Some(temps_c), Some(raw)) = (array(&sample.temps_c), per_axis(&sample.raw)) else {
+            return Response::Refused(Refusal::Unknown);
+        };
+        let Some((tables, _)) = self.tables else {
+            return Response::Refused(Refusal::Unsupported);
+        };
+        let replay = self.replay.get_or_insert_with(|| Replay::new(tables));
+        let outcome = replay.step(&ReplayedSample {
+            dt_s: sample.dt_s,
+            temps_c,
+            raw,
+        });
+        let of = |part: fn(&tempco_replay::ChannelOutcome<A>) -> [f32; A]| {
+            axes(&outcome.channels.each_ref().map(part))
+        };
+        Response::Outcome(Outcome {
+            channels: channels(&outcome),
+            bias: of(|channel| channel.bias),
+            compensated: of(|channel| channel.compensated),
+        })
+    }
+
+    /// Samples at the gyro's rate, through the interrupt.
+    pub(super) fn block(&mut self, block: &SampleBlock) -> Response<'_> {
+        let sample_len = 4 * C * A;
+        let is_whole = block.raw.len().is_multiple_of(sample_len) && !block.raw.is_empty();
+        let temps_c = array(&block.temps_c);
+        if !is_whole
+            || block.raw.len() > MAX_BLOCK
+            || temps_c.is_none() && !block.temps_c.is_empty()
+        {
+            return Response::Refused(Refusal::Unknown);
+        }
+        if let Some(temps_c) = temps_c {
+            self.inject(Injected::Temperatures(temps_c));
+        }
+        for bytes in block.raw.chunks_exact(sample_len) {
+            let mut values = bytes
+                .as_chunks()
+                .0
+                .iter()
+                .map(|bytes| f32::from_le_bytes(*bytes));
+            let raw = core::array::from_fn(|_| {
+                core::array::from_fn(|_| values.next().unwrap_or(f32::NAN))
+            });
+            self.inject(Injected::Sample(raw));
+        }
+        self.block.clear();
+        let mut last = None;
+        for _ in 0..block.raw.len() / sample_len {
+            let Some(outcome) = self.reply(block.real_time) else {
+                return Response::Refused(Refusal::Busy);
+            };
+            for value in outcome
+                .channels
+                .iter()
+                .flat_map(|channel| &channel.compensated)
+            {
+                // Cannot fail: there are as many as came in.
+                _ = self.block.extend_from_slice(&value.to_le_bytes());
+            }
+            last = Some(outcome);
+        }
+        let Some(last) = last else {
+            return Response::Refused(Refusal::Unknown);
+        };
+        Response::Block(OutcomeBlock {
+            channels: channels(&last),
+            bias: axes(&last.channels.each_ref().map(|channel| channel.bias)),
+            compensated: &self.block,
+        })
+    }
+
+    /// Cannot fail: the queue has room for a block, and is empty between two.
+    fn inject(&mut self, injected: Injected<C, A>) {
+        _ = self.ends.injected.enqueue(injected);
+    }
+
+    /// What the interrupt made of the next injected sample; none if it did not come in time.
+    fn reply(&mut self, real_time: bool) -> Option<Replayed<C, A>> {
+        const LATEST: u32 = 4;
+        let from = self.ends.counts.samples();
+        // Other interrupts end a sleep too, so it is the gyro's samples that count.
+        while self.ends.counts.samples().wrapping_sub(from) < LATEST {
+            if let Some(outcome) = self.ends.replies.dequeue() {
+                return Some(outcome);
+            }
+            if real_time {
+                self.clock.sleep();
+            } else {
+                self.clock.interrupt_now();
+            }
+            self.drain();
+        }
+        None
+    }
+}
+
+pub(super) fn channels<const C: usize, const A: usize>(
+    outcome: &Replayed<C, A>,
+) -> Channels<ChannelTelemetry> {
+    let channels = outcome.channels.iter().map(|channel| ChannelTelemetry {
+        effective_c: channel.effective_c,
+        rate_c_per_min: channel.rate_c_per_min,
+        status: channel.flags().bits(),
+    });
+    channels.collect()
+}
+
+pub(super) fn axes<const C: usize, const A: usize>(values: &PerAxis<C, A>) -> Axes {
+    values.as_flattened().iter().copied().collect()
+}
+
+fn array<const C: usize>(values: &[f32]) -> Option<[f32; C]> {
+    values.try_into().ok()
+}
+
+pub(super) fn per_axis<const C: usize, const A: usize>(values: &[f32]) -> Option<PerAxis<C, A>> {
+    let (channels, rest) = values.as_chunks::<A>();
+    rest.is_empty().then(|| channels.try_into().ok()).flatten()
+}
