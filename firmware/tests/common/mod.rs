@@ -8,10 +8,10 @@ use std::rc::Rc;
 use std::sync::atomic::AtomicU32;
 
 use embedded_io::{ErrorType, Read, ReadReady, Write};
-use tempco_firmware::board::mps2_an386::nor::Nor;
+use tempco_firmware::board::mps2_an386::nor::{Nor, REGIONS, WORDS};
 use tempco_firmware::table;
 use tempco_firmware::unit::devices::{
-    Devices, Gyro, Regions, ResetCause, SampleClock, Thermometers, Watchdog,
+    Devices, Gyro, ResetCause, SampleClock, Thermometers, Watchdog,
 };
 use tempco_firmware::unit::exchange::{Counts, Queues};
 use tempco_firmware::unit::storage::Storage;
@@ -24,34 +24,12 @@ use tempco_link::{
 };
 use tempco_replay::{Outcome, Schedule};
 use tempco_sensors::SensorFault;
-use tempco_store::Region;
 
-pub(crate) const REGIONS: Regions = Regions {
-    slots: [
-        Region {
-            start: 0,
-            len: 0x8000,
-        },
-        Region {
-            start: 0x8000,
-            len: 0x8000,
-        },
-    ],
-    faults: Region {
-        start: 0x1_0000,
-        len: 0x2000,
-    },
-    offsets: Region {
-        start: 0x1_2000,
-        len: 0x2000,
-    },
-};
 /// A twentieth of the unit's gyro rate and its rate of temperatures: tests of minutes are short.
 pub(crate) const SCHEDULE: Schedule = Schedule {
     sample_rate_hz: 100.0,
     samples_per_update: 10,
 };
-const FLASH_WORDS: usize = 0x1_4000 / 4;
 
 /// What lies outside the unit, and what outlives its resets.
 pub(crate) struct Bench {
@@ -211,7 +189,7 @@ impl Bench {
     /// A unit as it leaves the factory: its flash holds anything.
     pub(crate) fn new() -> Self {
         Self {
-            flash: (0..FLASH_WORDS).map(|_| AtomicU32::new(0)).collect(),
+            flash: (0..WORDS).map(|_| AtomicU32::new(0)).collect(),
             readings: Rc::new(RefCell::new(vec![Ok(25.0); CHANNELS])),
             counts: Rc::default(),
             fed: Rc::default(),

@@ -2,41 +2,19 @@
 
 use cortex_m_rt::exception;
 use tempco_link::FaultSet;
-use tempco_store::Region;
 
 use super::bench::{BenchGyro, BenchThermometers};
 use super::interrupts::Interrupt;
 use super::nor::Nor;
+pub use super::nor::REGIONS;
 use super::uart::Uart;
 use crate::reset;
-use crate::unit::devices::{Devices, Regions, ResetCause, Watchdog};
+use crate::unit::devices::{Devices, ResetCause, Watchdog};
 
 /// The gyro.
 pub type BoardGyro = BenchGyro;
 /// The flash that holds the store.
 pub type BoardFlash = Nor<'static>;
-
-/// Where the store is in the flash, which is at the start of the PSRAM (0x21000000).
-pub const REGIONS: Regions = Regions {
-    slots: [
-        Region {
-            start: 0,
-            len: 0x8000,
-        },
-        Region {
-            start: 0x8000,
-            len: 0x8000,
-        },
-    ],
-    faults: Region {
-        start: 0x1_0000,
-        len: 0x2000,
-    },
-    offsets: Region {
-        start: 0x1_2000,
-        len: 0x2000,
-    },
-};
 
 /// Sets the board up. Once.
 pub fn take(
@@ -95,9 +73,8 @@ pub(super) mod registers {
 
     use volatile_register::RW;
 
+    use super::super::nor::WORDS;
     use super::super::uart;
-
-    pub(super) const FLASH_WORDS: usize = 0x1_4000 / 4;
 
     #[repr(C)]
     struct WatchdogRegisters {
@@ -115,7 +92,7 @@ pub(super) mod registers {
     // is RAM that the linker does not use; any bits are an `AtomicU32`.
     #[allow(unsafe_code)]
     mod at {
-        use super::{AtomicU32, FLASH_WORDS, RW, WatchdogRegisters, uart};
+        use super::{AtomicU32, RW, WORDS, WatchdogRegisters, uart};
 
         pub(super) fn uart0() -> &'static uart::Registers {
             // SAFETY: as said of the module.
@@ -133,7 +110,7 @@ pub(super) mod registers {
             // SAFETY: as said of the module.
             unsafe { &*core::ptr::with_exposed_provenance(0x4002_8000) }
         }
-        pub(super) fn flash() -> &'static [AtomicU32; FLASH_WORDS] {
+        pub(super) fn flash() -> &'static [AtomicU32; WORDS] {
             // SAFETY: as said of the module.
             unsafe { &*core::ptr::with_exposed_provenance(0x2100_0000) }
         }
@@ -143,7 +120,7 @@ pub(super) mod registers {
         }
     }
 
-    pub(super) fn flash() -> &'static [AtomicU32; FLASH_WORDS] {
+    pub(super) fn flash() -> &'static [AtomicU32; WORDS] {
         at::flash()
     }
 

@@ -6,6 +6,34 @@ use core::sync::atomic::{AtomicU32, Ordering};
 use embedded_storage::nor_flash::{
     ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash, check_erase, check_read, check_write,
 };
+use tempco_store::Region;
+
+use crate::unit::devices::Regions;
+
+/// Words of 32 bits.
+pub const WORDS: usize = 0x1_4000 / 4;
+
+/// Where the store is in it.
+pub const REGIONS: Regions = Regions {
+    slots: [
+        Region {
+            start: 0,
+            len: 0x8000,
+        },
+        Region {
+            start: 0x8000,
+            len: 0x8000,
+        },
+    ],
+    faults: Region {
+        start: 0x1_0000,
+        len: 0x2000,
+    },
+    offsets: Region {
+        start: 0x1_2000,
+        len: 0x2000,
+    },
+};
 
 const SECTOR: usize = 4096;
 const WORD: usize = 8;
