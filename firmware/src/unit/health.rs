@@ -120,3 +120,32 @@ impl LiveNess {
         Some(is_alive)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn without_readings_the_watchdog_is_not_fed() {
+        let mut live_ness = LiveNess::new();
+        assert_eq!(live_ness.look(100, 1), None);
+        assert_eq!(live_ness.look(500, 5), Some(true));
+        assert_eq!(live_ness.look(900, 9), None);
+        assert_eq!(live_ness.look(1000, 5), Some(false));
+        assert_eq!(live_ness.look(1500, 6), Some(true));
+    }
+
+    #[test]
+    fn faults_heal_but_those_of_the_last_reset() {
+        let mut health = Health::new();
+        assert!(health.note(Fault::SensorOpen, u32::MAX));
+        assert!(!health.note(Fault::SensorOpen, 100), "it is known");
+        assert!(health.note(Fault::Crash, 100));
+        health.heal(1100);
+        assert!(health.present().contains(Fault::SensorOpen));
+        health.heal(1101);
+        assert_eq!(health.present(), Fault::Crash.into());
+        health.heal(u32::MAX / 2);
+        assert_eq!(health.present(), Fault::Crash.into());
+    }
+}
