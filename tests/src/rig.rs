@@ -127,6 +127,11 @@ impl Rig {
         self.say(b'T', temp_c.to_bits());
     }
 
+    /// Lets a sensor give one code for ever.
+    pub fn stuck(&mut self, temp_c: f32) {
+        self.say(b'C', temp_c.to_bits());
+    }
+
     /// Sets the fault of a sensor, by its code on the bench.
     pub fn sensor_fault(&mut self, code: u32) {
         self.say(b'E', code);

@@ -35,7 +35,9 @@ fn wait_for(rig: &mut Rig, fault: Fault, class: Validity) -> Telemetry {
 #[test]
 fn faults_of_a_sensor_have_their_status_and_heal() {
     let mut rig = ready();
-    // The bench's temperature is constant to the bit, so this comes first: ten seconds.
+    // A constant code, for ten seconds.
+    rig.wait_until_well(12.0);
+    rig.stuck(25.0);
     rig.wait_for(Fault::SensorStuck, 20.0);
     for (code, fault) in [
         (1, Fault::SensorOpen),
@@ -144,17 +146,10 @@ fn a_main_loop_that_hangs_is_reset_by_the_watchdog() {
     assert_eq!(entry.unwrap().count, 1);
 }
 
-/// The fault log, but for what comes of the bench: its temperature is constant, and a busy host lets
-/// an idle machine's time jump.
+/// The fault log, but for overruns: a busy host lets an idle machine's time jump.
 fn log_of(rig: &mut Rig) -> Vec<FaultEntry> {
-    let of_the_bench = [
-        Fault::SensorStuck,
-        Fault::TemperatureRejected,
-        Fault::TemperatureLost,
-        Fault::Overrun,
-    ];
     let mut log = rig.unit.faults().unwrap();
-    log.retain(|entry| !of_the_bench.iter().any(|fault| fault.code() == entry.code));
+    log.retain(|entry| entry.code != Fault::Overrun.code());
     log
 }
 

@@ -169,3 +169,121 @@ fn sample<const C: usize, const A: usize>(
         },
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use core::cell::Cell;
+
+    use tempco::{Table, Terms, Thermal, ThermalSettings};
+
+    use super::super::exchange::{Counts, Queues};
+    use super::*;
+
+    struct Still;
+
+    impl Gyro<1, 1> for Still {
+        const PULSES_PER_COUNT: f32 = 1.0;
+
+        fn counts(&mut self) -> [[i32; 1]; 1] {
+            [[0]]
+        }
+
+        fn put(&mut self, _: &Outcome<1, 1>) {}
+    }
+
+    /// Advances by what it is told at every look.
+    struct Clock {
+        now: Cell<u32>,
+        step: u32,
+    }
+
+    impl SampleClock for Clock {
+        const COUNT_NS: u32 = 1;
+
+        fn since_interrupt(&self) -> u32 {
+            self.now.set((self.now.get() + self.step) % self.period());
+            self.now.get()
+        }
+
+        fn period(&self) -> u32 {
+            1000
+        }
+
+        fn sleep(&self) -> u32 {
+            0
+        }
+
+        fn interrupt_now(&self) {}
+    }
+
+    #[test]
+    fn temperatures_that_do_not_come_count_as_missing() {
+        const CELLS: [[Terms; 1]; 1] = [[Terms {
+            a: [1.0, 0.0, 0.0],
+            r: [0.0, 0.0],
+        }]];
+        let thermal = Thermal::new(ThermalSettings::DEFAULT).unwrap();
+        let table = Table::new(thermal, -40.0, 80.0, &CELLS).unwrap();
+        let none = tempco::Play {
+            half_width_c: 0.0,
+            gain: [0.0],
+        };
+        let slow = tempco::SlowPart {
+            tau_s: 600.0,
+            limit_c: 0.0,
+            gain: [0.0],
+        };
+        let tables = [table.with_history([none; 2], [slow]).unwrap()];
+        let schedule = Schedule {
+            sample_rate_hz: 100.0,
+            samples_per_update: 10,
+        };
+        let counts = Counts::new();
+        let mut queues = Queues::new();
+        let (ends, mut main) = queues.split(&counts);
+        let (unit, zero) = ([[1.0]], [[0.0]]);
+        let mut sampling = Sampling::new(Still, ends, Some(&tables), schedule, unit, zero);
+        let clock = Clock {
+            now: Cell::new(0),
+            step: 0,
+        };
+        let mut status = |count: u32| {
+            let mut last = Status::OK;
+            for _ in 0..count {
+                sampling.interrupt(true, &clock);
+                last = main.moments.dequeue().unwrap().outcome.channels[0].flags();
+            }
+            last
+        };
+        // The schedule begins with the first temperatures.
+        assert!(status(35).contains(Status::TEMPERATURE_LOST));
+        main.temperatures.enqueue([25.0]).unwrap();
+        assert!(!status(5).intersects(Status::TEMPERATURE_LOST | Status::TEMPERATURE_INVALID));
+        assert!(status(10).contains(Status::TEMPERATURE_INVALID));
+        assert_eq!(counts.overruns.load(Ordering::Relaxed), 0);
+    }
+
+    #[test]
+    fn an_interrupt_that_takes_more_than_its_period_is_an_overrun() {
+        let schedule = Schedule {
+            sample_rate_hz: 100.0,
+            samples_per_update: 10,
+        };
+        for (step, is_due, overruns) in [(10, true, 0), (400, true, 1), (600, false, 0)] {
+            let counts = Counts::new();
+            let mut queues = Queues::new();
+            let (ends, _main) = queues.split(&counts);
+            let mut sampling = Sampling::new(Still, ends, None, schedule, [[1.0]], [[0.0]]);
+            let clock = Clock {
+                now: Cell::new(0),
+                step,
+            };
+            sampling.interrupt(is_due, &clock);
+            assert_eq!(
+                counts.overruns.load(Ordering::Relaxed),
+                overruns,
+                "{step} {is_due}"
+            );
+        }
+    }
+}

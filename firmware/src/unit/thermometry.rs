@@ -40,7 +40,7 @@ impl<T: Thermometers<C>, const C: usize> Thermometry<T, C> {
     pub const fn new(thermometers: T) -> Self {
         let sensor = Sensor {
             last_c: f32::NAN,
-            age: MAX_AGE,
+            age: 0,
             equal: 0,
             fault: None,
         };
@@ -120,7 +120,6 @@ impl Sensor {
                     SensorFault::Rail => Fault::SensorRail,
                     _ => Fault::SensorBus,
                 });
-                self.age = MAX_AGE;
             }
         }
     }
@@ -133,5 +132,42 @@ impl Sensor {
         } else {
             f32::NAN
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    struct Script<'s>(&'s [Result<f32, SensorFault>]);
+
+    impl Thermometers<1> for Script<'_> {
+        const STUCK_AFTER: Option<u32> = None;
+
+        fn read(&mut self) -> [Result<f32, SensorFault>; 1] {
+            let (first, rest) = self.0.split_first().unwrap();
+            self.0 = rest;
+            [*first]
+        }
+    }
+
+    #[test]
+    fn the_first_temperature_is_the_median_of_three() {
+        let not_ready = Err(SensorFault::NotReady);
+        let script = [not_ready, Ok(80.0), Ok(25.0), Ok(25.5), Ok(25.6), not_ready];
+        let mut thermometry = Thermometry::new(Script(&script));
+        let found: [Option<[f32; 1]>; 6] = core::array::from_fn(|_| thermometry.read());
+        let expected = [None, None, None, Some([25.5]), Some([25.6]), Some([25.6])];
+        assert_eq!(found, expected);
+        assert_eq!(thermometry.faults().count(), 0);
+    }
+
+    #[test]
+    fn a_sensor_that_never_answers_is_not_waited_for() {
+        let script = [Err(SensorFault::NotReady); 30];
+        let mut thermometry = Thermometry::new(Script(&script));
+        let waited = (0..30).take_while(|_| thermometry.read().is_none()).count();
+        assert_eq!(waited, usize::from(PATIENCE) + 1);
+        assert_eq!(thermometry.faults().next(), Some((Fault::SensorBus, 0)));
     }
 }

@@ -4,7 +4,8 @@
 //!
 //! | letter | number | value |
 //! |---|---|---|
-//! | `T` | channel | its temperature from now on, `f32` \[degC\] |
+//! | `T` | channel | its temperature from now on, `f32`, with noise of the lowest bit \[degC\] |
+//! | `C` | channel | the same without noise, as of a sensor that is stuck |
 //! | `E` | channel | its fault from now on: 0 bus, 1 open, 2 short, 3 rail, 4 not ready |
 //! | `G` | axis | its counts per sample from now on, `i32` |
 //! | `S` | 0 | stops the main loop, as a defect would |
@@ -30,6 +31,8 @@ pub struct BenchThermometers {
     line: Uart,
     message: heapless::Vec<u8, 8>,
     readings: [Result<f32, SensorFault>; MAX],
+    /// Bits that change from reading to reading.
+    noise: [u32; MAX],
 }
 
 impl BenchThermometers {
@@ -38,6 +41,7 @@ impl BenchThermometers {
             line,
             message: heapless::Vec::new(),
             readings: [Ok(25.0); MAX],
+            noise: [1; MAX],
         }
     }
 
@@ -55,7 +59,12 @@ impl BenchThermometers {
         let code = u32::from_le_bytes(value);
         let number = usize::from(number);
         match (letter, self.readings.get_mut(number)) {
-            (b'T', Some(reading)) => *reading = Ok(f32::from_bits(code)),
+            (b'T' | b'C', Some(reading)) => {
+                *reading = Ok(f32::from_bits(code));
+                if let Some(noise) = self.noise.get_mut(number) {
+                    *noise = u32::from(letter == b'T');
+                }
+            }
             (b'E', Some(reading)) => {
                 *reading = Err(match code {
                     1 => SensorFault::Open,
@@ -88,6 +97,9 @@ impl<const C: usize> Thermometers<C> for BenchThermometers {
             for byte in bytes.iter().take(count) {
                 self.receive(*byte);
             }
+        }
+        for (reading, noise) in self.readings.iter_mut().zip(self.noise) {
+            *reading = reading.map(|temp_c| f32::from_bits(temp_c.to_bits() ^ noise));
         }
         core::array::from_fn(|channel| {
             self.readings

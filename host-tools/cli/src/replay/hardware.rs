@@ -7,7 +7,7 @@ use tempco_hil::replay::{Comparison, by_block, by_row};
 use tempco_hil::{Identity, Patience, Unit, flash_set, open};
 use tempco_image::{MAX_PLAYS, MAX_SLOW_PARTS};
 use tempco_link::{FaultSet, Telemetry};
-use tempco_qemu::{Board, Machine, MachineOptions, Variant};
+use tempco_qemu::{Board, Machine, MachineOptions, MachineTime, Variant};
 
 use super::{Differences, Replay, for_shape};
 use crate::output::print;
@@ -16,7 +16,7 @@ use crate::progress::Progress;
 
 /// An instruction takes 32 ns of emulated time, about what the board's 25 MHz give it, and what is
 /// slept is skipped: load and latency do not depend on this machine.
-const ICOUNT: [&str; 2] = ["-icount", "shift=5,sleep=off"];
+const TIME: MachineTime = MachineTime::Unbound { shift: 5 };
 
 /// The interval of a log may be off that of the unit by this share: times in logs are rounded.
 const INTERVAL_TOLERANCE: f64 = 0.1;
@@ -56,7 +56,7 @@ pub(super) fn in_qemu(
 ) -> Result<(Differences, String)> {
     let elf = put.build(board, "unit", &Variant::APPLICATION)?;
     let options = MachineOptions {
-        extra: ICOUNT.map(str::to_owned).to_vec(),
+        time: TIME,
         ..MachineOptions::default()
     };
     let machine = Machine::start(&elf, board, &options)?;
