@@ -4,10 +4,10 @@
 
 use std::io::Write;
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use tempco::{Status, Validity};
-use tempco_hil::flash_set;
+use tempco_hil::{Error, Unit, flash_set};
 use tempco_link::{Bank, Fault, FaultEntry, FaultSet, Request, Telemetry};
 use tempco_tests::rig::{Rig, SLOT_B, quick_table};
 
@@ -198,6 +198,18 @@ fn garbage_on_the_line_does_no_harm() {
     );
 }
 
+/// An update up to its commit, in small chunks.
+fn upload(unit: &mut Unit, image: &[u8]) -> Result<(), Error> {
+    let len = image.len() as u32;
+    unit.ask(&Request::UploadBegin { len }, |_| Some(()))?;
+    for (part, bytes) in image.chunks(64).enumerate() {
+        let offset = part as u32 * 64;
+        unit.ask(&Request::UploadChunk { offset, bytes }, |_| Some(()))?;
+    }
+    let crc = tempco_image::CRC.checksum(image);
+    unit.command(&Request::UploadCommit { len, crc })
+}
+
 /// `TEMPCO_BROWN_OUTS` says how many; the usual run makes a few.
 #[test]
 fn a_brown_out_at_any_instant_leaves_a_table() {
@@ -206,27 +218,25 @@ fn a_brown_out_at_any_instant_leaves_a_table() {
         Err(_) => 30,
     };
     let mut rig = ready();
-    let mut newest = 2;
+    // How long an update takes on this host, which decides when to cut.
+    let start = Instant::now();
+    upload(&mut rig.unit, &quick_table(3)).unwrap();
+    let whole_us = start.elapsed().as_micros() as u64;
+    rig.machine.reset().unwrap();
+    rig.unit.reconnect().unwrap();
+
+    let mut newest = 3;
     let (mut old, mut new, mut idle) = (0, 0, 0);
     let mut state = 7_u64;
     for number in 0..times {
         state = state
             .wrapping_mul(6_364_136_223_846_793_005)
             .wrapping_add(1);
-        let next = 3 + number;
+        let next = 4 + number;
         let image = quick_table(next);
         // From before the first request to behind the commit.
-        let cut_us = (state >> 33) % 30_000;
-        let uploaded = rig.cut_during(Duration::from_micros(cut_us), |unit| {
-            let len = image.len() as u32;
-            unit.ask(&Request::UploadBegin { len }, |_| Some(()))?;
-            for (part, bytes) in image.chunks(64).enumerate() {
-                let offset = part as u32 * 64;
-                unit.ask(&Request::UploadChunk { offset, bytes }, |_| Some(()))?;
-            }
-            let crc = tempco_image::CRC.checksum(&image);
-            unit.command(&Request::UploadCommit { len, crc })
-        });
+        let cut = Duration::from_micros((state >> 33) % (2 * whole_us));
+        let uploaded = rig.cut_during(cut, |unit| upload(unit, &image));
         let identity = rig.unit.identify().unwrap();
         assert!(
             identity.bank.is_some(),
