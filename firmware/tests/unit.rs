@@ -369,10 +369,13 @@ fn replays_are_those_of_the_host() {
                     .flatten()
                     .flat_map(|v| v.to_le_bytes())
                     .collect();
+                let counts: Vec<u8> = block.iter().flatten().map(|v| *v as i8 as u8).collect();
+                let are_counts = number % 3 == 0;
                 let request = Request::Block(SampleBlock {
                     temps_c: temps_c.into_iter().collect(),
                     real_time: number % 2 == 0,
-                    raw: &raw,
+                    scale: are_counts.then_some(1.0),
+                    raw: if are_counts { &counts } else { &raw },
                 });
                 bench.ask(unit, &request, |response| {
                     let Response::Block(found) = response else {
@@ -388,6 +391,7 @@ fn replays_are_those_of_the_host() {
             let request = SampleBlock {
                 temps_c: Channels::from_slice(&[1.0, 2.0][..temps_c]).unwrap(),
                 real_time: false,
+                scale: None,
                 raw: &[0; 972][..raw],
             };
             let refused = bench.ask(unit, &Request::Block(request), |response| {

@@ -130,6 +130,7 @@ fn figures(image: &Path) -> String {
         let block = SampleBlock {
             temps_c: Channels::from_slice(&[20.0 + f32::from(number)]).unwrap(),
             real_time: true,
+            scale: None,
             raw: &raw,
         };
         rig.unit.ask(&Request::Block(block), |_| Some(())).unwrap();

@@ -243,9 +243,32 @@ pub struct SampleBlock<'a> {
     pub temps_c: Channels<f32>,
     /// At the pace of the unit's timer; otherwise as fast as it goes.
     pub real_time: bool,
-    /// Samples, each with its axes channel by channel, as `f32` with the low byte first; up to
-    /// [`MAX_BLOCK`] bytes \[unit of the axis\].
+    /// Without it, a value of [`raw`](Self::raw) is an `f32`, low byte first \[unit of the axis\];
+    /// with it, a count of the gyro in one signed byte, to be multiplied by this in `f32`
+    /// \[unit of the axis per count\].
+    pub scale: Option<f32>,
+    /// Values, sample by sample and in each channel by channel; as many as make up to
+    /// [`MAX_BLOCK`] bytes of `f32`.
     pub raw: &'a [u8],
+}
+
+impl SampleBlock<'_> {
+    /// The values, as `f32` \[unit of the axis\]; none where bytes are left over or there are more
+    /// than a block can have.
+    pub fn values(&self) -> Option<impl ExactSizeIterator<Item = f32>> {
+        let len = if self.scale.is_some() { 1 } else { 4 };
+        let count = self.raw.len() / len;
+        if !self.raw.len().is_multiple_of(len) || count > MAX_BLOCK / 4 {
+            return None;
+        }
+        let scale = self.scale.unwrap_or(f32::NAN);
+        let values = self.raw.chunks_exact(len).map(move |bytes| match *bytes {
+            [count] => f32::from(count.cast_signed()) * scale,
+            [a, b, c, d] => f32::from_le_bytes([a, b, c, d]),
+            _ => f32::NAN,
+        });
+        Some(values)
+    }
 }
 
 /// What the unit made of a [`SampleBlock`].

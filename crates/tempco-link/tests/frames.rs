@@ -76,6 +76,7 @@ fn the_longest_messages_fit_and_longer_ones_are_refused() {
     fits(Request::Block(SampleBlock {
         temps_c: filled(&f32::MAX),
         real_time: true,
+        scale: Some(f32::MAX),
         raw: &block,
     }));
     let outcome = largest_outcome();
@@ -161,6 +162,7 @@ fn the_encoding_does_not_change() {
             Request::Block(SampleBlock {
                 temps_c: Default::default(),
                 real_time: false,
+                scale: None,
                 raw: &[],
             }),
         ),

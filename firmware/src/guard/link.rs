@@ -57,6 +57,7 @@ pub fn links() -> Result<(), LinkError> {
         Request::Block(SampleBlock {
             temps_c: all(25.0),
             real_time: true,
+            scale: None,
             raw: &bytes,
         }),
     ] {

@@ -49,24 +49,19 @@ where
 
     /// Samples at the gyro's rate, through the interrupt.
     pub(super) fn block(&mut self, block: &SampleBlock) -> Response<'_> {
-        let sample_len = 4 * C * A;
-        let is_whole = block.raw.len().is_multiple_of(sample_len) && !block.raw.is_empty();
         let temps_c = array(&block.temps_c);
-        if !is_whole
-            || block.raw.len() > MAX_BLOCK
-            || temps_c.is_none() && !block.temps_c.is_empty()
-        {
+        let has_temperatures = temps_c.is_some() || block.temps_c.is_empty();
+        let values = block.values().filter(|values| {
+            has_temperatures && values.len() > 0 && values.len().is_multiple_of(C * A)
+        });
+        let Some(mut values) = values else {
             return Response::Refused(Refusal::Unknown);
-        }
+        };
         if let Some(temps_c) = temps_c {
             self.inject(Injected::Temperatures(temps_c));
         }
-        for bytes in block.raw.chunks_exact(sample_len) {
-            let mut values = bytes
-                .as_chunks()
-                .0
-                .iter()
-                .map(|bytes| f32::from_le_bytes(*bytes));
+        let samples = values.len() / (C * A);
+        for _ in 0..samples {
             let raw = core::array::from_fn(|_| {
                 core::array::from_fn(|_| values.next().unwrap_or(f32::NAN))
             });
@@ -74,7 +69,7 @@ where
         }
         self.block.clear();
         let mut last = None;
-        for _ in 0..block.raw.len() / sample_len {
+        for _ in 0..samples {
             let Some(outcome) = self.reply(block.real_time) else {
                 return Response::Refused(Refusal::Busy);
             };

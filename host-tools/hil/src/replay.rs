@@ -89,6 +89,8 @@ pub fn by_block<const C: usize, const A: usize, const PLAYS: usize, const SLOW: 
 ) -> Result<Comparison, Error> {
     const { assert!(C * A > 0 && C * A <= MAX_AXES) }
     let mut host = Stream::new(tables, schedule);
+    // Whole pulses in pulses per second: they take a byte each on the line instead of four.
+    let scale = schedule.sample_rate_hz;
     let most = MAX_BLOCK / (4 * C * A);
     let mut until_update = 0;
     observed(unit, |unit, comparison| {
@@ -114,10 +116,13 @@ pub fn by_block<const C: usize, const A: usize, const PLAYS: usize, const SLOW: 
                 append(&mut raw, sample.raw.iter().flatten());
                 expected.push(&host.sample(&sample.raw));
             }
+            let values = block.iter().flat_map(|sample| sample.raw.iter().flatten());
+            let counts: Option<Vec<u8>> = values.map(|value| count(*value, scale)).collect();
             let request = Request::Block(SampleBlock {
                 temps_c,
                 real_time,
-                raw: &raw,
+                scale: counts.is_some().then_some(scale),
+                raw: counts.as_ref().unwrap_or(&raw),
             });
             let takes = Duration::from_secs_f32(block.len() as f32 / schedule.sample_rate_hz);
             let same = unit.ask_patiently(&request, takes, |response| match response {
@@ -129,6 +134,13 @@ pub fn by_block<const C: usize, const A: usize, const PLAYS: usize, const SLOW: 
             done(comparison.samples);
         }
     })
+}
+
+/// The byte of a value that is exactly so many counts.
+fn count(value: f32, scale: f32) -> Option<u8> {
+    let count = (value / scale).round() as i8;
+    let is_exact = (f32::from(count) * scale).to_bits() == value.to_bits();
+    is_exact.then_some(count.cast_unsigned())
 }
 
 /// What a block must be answered by.

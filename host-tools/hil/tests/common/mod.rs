@@ -218,10 +218,9 @@ impl Running {
         }
         self.answer.clear();
         let mut last = Outcome::default();
-        for sample in block.raw.chunks(12) {
-            let axis = |axis: usize| sample[4 * axis..][..4].try_into().unwrap();
-            let raw = std::array::from_fn(|number| f32::from_le_bytes(axis(number)));
-            let made = outcome(&self.stream.sample(&[raw]));
+        let values: Vec<f32> = block.values().unwrap().collect();
+        for raw in values.as_chunks().0 {
+            let made = outcome(&self.stream.sample(&[*raw]));
             last = self.spoilt(made);
             for value in &last.compensated {
                 self.answer.extend(value.to_le_bytes());
