@@ -237,7 +237,8 @@ fn a_brown_out_at_any_instant_leaves_a_table() {
         // From before the first request to behind the commit.
         let cut = Duration::from_micros((state >> 33) % (2 * whole_us));
         let uploaded = rig.cut_during(cut, |unit| upload(unit, &image));
-        let identity = rig.unit.identify().unwrap();
+        let identity = rig.unit.identify();
+        let identity = identity.unwrap_or_else(|error| panic!("brown-out {number}: {error}"));
         assert!(
             identity.bank.is_some(),
             "after {number} brown-outs: no table"
@@ -253,6 +254,9 @@ fn a_brown_out_at_any_instant_leaves_a_table() {
         }
         idle += usize::from(uploaded.is_ok());
         newest = identity.table_crc;
+        if number % 500 == 499 {
+            println!("{} brown-outs", number + 1);
+        }
     }
     println!("{times} brown-outs: {old} old table, {new} new table, {idle} behind the commit");
     assert!(
