@@ -40,7 +40,8 @@ impl<T: Thermometers<C>, const C: usize> Thermometry<T, C> {
     pub const fn new(thermometers: T) -> Self {
         let sensor = Sensor {
             last_c: f32::NAN,
-            age: MAX_AGE,
+            // The first conversion may still be under way.
+            age: 0,
             equal: 0,
             fault: None,
         };

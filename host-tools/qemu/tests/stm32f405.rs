@@ -152,6 +152,7 @@ fn the_board_comes_up_and_its_devices_answer() {
 /// The flash of a unit that was given the example table, byte by byte.
 fn store_with_example() -> Vec<u8> {
     let image = &example_image();
+    let len = image.len() as u32;
 
     // A model of flash with smaller sectors and longer words, which the layout does not depend on.
     let cells: Vec<AtomicU32> = (0..SECTORS * SECTOR as usize / 4)
@@ -162,11 +163,11 @@ fn store_with_example() -> Vec<u8> {
     let mut store = Store::new(flash, a, b).unwrap();
     let mut buffer = AlignedBytes([0; 16 * 1024]);
     store.boot(flash, &mut buffer.0, |_| Ok(()));
-    store.begin(flash, len as u32).unwrap();
+    store.begin(flash, len).unwrap();
     store.write(flash, 0, image).unwrap();
     let crc = Store::crc(image);
     store
-        .commit(flash, len as u32, crc, &mut buffer.0, |_| Ok(()))
+        .commit(flash, len, crc, &mut buffer.0, |_| Ok(()))
         .unwrap();
     let words = cells.iter().map(|cell| cell.load(Ordering::Relaxed));
     words.flat_map(u32::to_le_bytes).collect()

@@ -249,6 +249,6 @@ fn flash() -> &'static [AtomicU32; nor::WORDS] {
     // for ever, and any bits are an `AtomicU32`.
     #[allow(unsafe_code)]
     unsafe {
-        &*core::ptr::with_exposed_provenance(0x2100_0000)
+        &*core::ptr::with_exposed_provenance(0x6000_0000)
     }
 }
