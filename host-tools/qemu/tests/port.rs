@@ -121,8 +121,8 @@ fn the_crate_of_the_page_builds_and_runs() {
         .arg(env::current_exe().unwrap().ancestors().nth(3).unwrap())
         .output()
         .unwrap();
-    // Semihosting's console is the standard error of QEMU.
-    let said = String::from_utf8_lossy(&output.stderr);
+    let said = [output.stdout, output.stderr].concat();
+    let said = String::from_utf8_lossy(&said);
     assert!(output.status.success(), "{said}");
     assert!(said.contains("Valid: bias ["), "{said}");
 }
