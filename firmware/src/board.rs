@@ -21,6 +21,8 @@ pub struct Board {
 
 #[cfg(all(feature = "board-mps2-an386", feature = "application"))]
 pub use mps2_an386 as chosen;
+#[cfg(all(feature = "board-mps2-an500", feature = "application"))]
+pub use mps2_an500 as chosen;
 #[cfg(all(feature = "board-stm32f405", feature = "application"))]
 pub use stm32f405 as chosen;
 

@@ -141,6 +141,36 @@ fn faults_of_a_sensor_are_named_and_heal() {
 }
 
 #[test]
+fn a_first_conversion_that_is_under_way_at_the_start_is_no_fault() {
+    let mut bench = Bench::with_tables();
+    bench.readings.borrow_mut()[0] = Err(SensorFault::NotReady);
+    bench.boot(|bench, unit| {
+        bench.connect(unit);
+        bench.wait(unit, 0.3);
+        bench.readings.borrow_mut()[0] = Ok(25.0);
+        bench.wait(unit, 10.0);
+        let log = bench.log(unit);
+        assert!(log.is_empty(), "{log:?}");
+    });
+}
+
+/// Four of the ten samples of a period, at every phase of it.
+#[test]
+fn a_main_loop_that_is_late_by_less_than_half_a_period_loses_no_temperature() {
+    let mut bench = Bench::with_tables();
+    bench.boot(|bench, unit| {
+        bench.connect(unit);
+        for _ in 0..100 {
+            bench.late.set(4);
+            bench.wait(unit, 0.07);
+        }
+        assert_eq!(bench.telemetry(unit).rejected, 0);
+        let log = bench.log(unit);
+        assert!(log.is_empty(), "{log:?}");
+    });
+}
+
+#[test]
 fn temperatures_that_cannot_be_are_rejected() {
     let mut bench = Bench::with_tables();
     bench.boot(|bench, unit| {

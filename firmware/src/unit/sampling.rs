@@ -96,16 +96,18 @@ impl<'t, G: Gyro<C, A>, const C: usize, const A: usize> Sampling<'t, G, C, A> {
         if let Some(offsets) = self.ends.offsets.dequeue() {
             self.offsets = offsets;
         }
+        if !self.has_temperatures {
+            // Half a period after the first ones were there, so that the main loop may be late by
+            // as much with all that follow.
+            self.has_temperatures = self.ends.temperatures.ready();
+            self.until_update = self.schedule.samples_per_update / 2;
+            return;
+        }
         if let Some(left) = self.until_update.checked_sub(1) {
             self.until_update = left;
             return;
         }
         let found = self.ends.temperatures.dequeue();
-        if found.is_none() && !self.has_temperatures {
-            // The sensors have not yet started; so neither does the schedule.
-            return;
-        }
-        self.has_temperatures = true;
         self.until_update = self.schedule.samples_per_update.saturating_sub(1);
         if let Some(stream) = &mut self.gyro_stream {
             stream.temperatures(&found.unwrap_or([f32::NAN; C]));

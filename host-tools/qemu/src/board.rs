@@ -62,7 +62,7 @@ impl Board {
     /// Whether the application runs on its machine. The STM32F405 has it too, but QEMU does not
     /// emulate its flash.
     pub const fn has_application(self) -> bool {
-        matches!(self, Self::Mps2An386)
+        matches!(self, Self::Mps2An386 | Self::Mps2An500)
     }
 
     /// The Rust target of its images.

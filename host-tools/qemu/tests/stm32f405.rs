@@ -13,11 +13,11 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use support::{WORKSPACE, example, image};
+use support::{WORKSPACE, example, example_image, image};
 use tempco_firmware::board::mps2_an386::nor::Nor;
 use tempco_firmware::board::stm32f405::store::{REGIONS, SECTOR, SECTORS};
 use tempco_hil::{Patience, Unit, open};
-use tempco_image::{AlignedBytes, Channel, ChannelHistory, Info, Unit as AxisUnit, encode};
+use tempco_image::AlignedBytes;
 use tempco_link::{Fault, Request};
 use tempco_qemu::{Board, Machine, MachineOptions, Variant, build_variant};
 use tempco_store::Store;
@@ -151,25 +151,8 @@ fn the_board_comes_up_and_its_devices_answer() {
 
 /// The flash of a unit that was given the example table, byte by byte.
 fn store_with_example() -> Vec<u8> {
-    let [table] = &example::TABLES;
-    let channel = Channel {
-        thermal: *table.thermal().settings(),
-        first_edge_c: -15.0,
-        last_edge_c: 80.0,
-        t_min_c: -15.0,
-        t_max_c: 80.0,
-        units: AxisUnit::array(&[AxisUnit::PulsesPerS; 3]),
-        cells: table.cells().as_flattened(),
-        history: ChannelHistory::NONE,
-    };
-    let info = Info {
-        serial: example::SERIAL,
-        table_crc: example::CRC,
-        continuous: false,
-    };
-    let mut image = AlignedBytes([0; 16 * 1024]);
-    let len = encode(&info, &[channel], &mut image.0).unwrap();
-    let image = &image.0[..len];
+    let image = &example_image();
+    let len = image.len() as u32;
 
     // A model of flash with smaller sectors and longer words, which the layout does not depend on.
     let cells: Vec<AtomicU32> = (0..SECTORS * SECTOR as usize / 4)
@@ -180,11 +163,11 @@ fn store_with_example() -> Vec<u8> {
     let mut store = Store::new(flash, a, b).unwrap();
     let mut buffer = AlignedBytes([0; 16 * 1024]);
     store.boot(flash, &mut buffer.0, |_| Ok(()));
-    store.begin(flash, len as u32).unwrap();
+    store.begin(flash, len).unwrap();
     store.write(flash, 0, image).unwrap();
     let crc = Store::crc(image);
     store
-        .commit(flash, len as u32, crc, &mut buffer.0, |_| Ok(()))
+        .commit(flash, len, crc, &mut buffer.0, |_| Ok(()))
         .unwrap();
     let words = cells.iter().map(|cell| cell.load(Ordering::Relaxed));
     words.flat_map(u32::to_le_bytes).collect()

@@ -45,7 +45,7 @@ pub(crate) fn run() -> Result<()> {
         step(&workspace, &mut cargo(&workspace, &job))?;
     }
     // The application, on the boards that it is for.
-    for board in [Board::Mps2An386, Board::Stm32F405] {
+    for board in [Board::Mps2An386, Board::Stm32F405, Board::Mps2An500] {
         let features = board.feature() + ",application";
         let mut lint = cargo(
             &workspace,

@@ -81,7 +81,7 @@ pub(crate) fn run(args: &Args) -> Result<Verdict> {
         Target::Qemu if args.application => {
             ensure!(
                 args.board.has_application(),
-                "--board {}: expected mps2-an386, whose devices the emulator has",
+                "--board {}: expected mps2-an386 or mps2-an500, whose devices the emulator has",
                 args.board
             );
             hardware::in_qemu(&replay, args.board, args.real_time)?

@@ -1,0 +1,127 @@
+//! The pages on porting are followed: what they show is what is built and run here.
+#![cfg(unix)]
+
+mod support;
+
+use std::path::Path;
+use std::process::Command;
+use std::{env, fs};
+
+use support::{WORKSPACE, example, example_image};
+use tempco_hil::replay::{by_block, by_row};
+use tempco_hil::{Patience, Unit, flash_set, open};
+use tempco_image::{AlignedBytes, Image, MAX_PLAYS, MAX_SLOW_PARTS};
+use tempco_link::{Fault, FaultSet};
+use tempco_qemu::{Board, Machine, MachineOptions, MachineTime, Variant, build_variant};
+use tempco_replay::Sample;
+
+fn text(path: &str) -> String {
+    fs::read_to_string(WORKSPACE.root().join(path)).unwrap()
+}
+
+#[test]
+fn the_page_shows_the_smallest_board() {
+    let file = text("firmware/src/board/mps2_an500/application.rs");
+    let page = text("docs/port-in-an-hour.md");
+    let shown = format!("```rust\n{file}```\n");
+    assert!(page.contains(&shown), "the page shows another file");
+}
+
+/// On the board of the page, a table goes into the flash, and samples through the main loop and
+/// through the sampling interrupt, bit for bit.
+#[test]
+fn the_smallest_board_runs_the_application() {
+    const BOARD: Board = Board::Mps2An500;
+    const SILENT: Variant = Variant {
+        name: "silent",
+        features: &["application"],
+        config: &[],
+    };
+    let image = build_variant(&WORKSPACE, BOARD, "unit", None, &SILENT).unwrap();
+    let options = MachineOptions {
+        time: MachineTime::Unbound { shift: 5 },
+        ..MachineOptions::default()
+    };
+    let machine = Machine::start(&image, BOARD, &options).unwrap();
+    let port = open(&machine.link(), 0).unwrap();
+    let mut unit = Unit::connect(port, Patience::default()).unwrap();
+    assert!(unit.built_in_test().unwrap().contains(Fault::NoTable));
+
+    let mut place = AlignedBytes([0; 16 * 1024]);
+    let bytes = example_image();
+    place.0[..bytes.len()].copy_from_slice(&bytes);
+    let table = Image::read(&place.0).unwrap();
+    let tables = &table.tables::<1, 3, MAX_PLAYS, MAX_SLOW_PARTS>().unwrap();
+    let identity = flash_set(&mut unit, table.bytes(), |_| {}).unwrap();
+    assert_eq!(identity.table_crc, example::CRC);
+    let samples = |count: u16| {
+        (0..count).map(|number| Sample {
+            dt_s: 1.0,
+            temps_c: [20.0 + 0.02 * f32::from(number)],
+            raw: [[f32::from(number), -0.5, f32::NAN]],
+        })
+    };
+    let schedule = &identity.schedule;
+    let found = by_row(&mut unit, tables, samples(100), |_| {}).unwrap();
+    assert_eq!((found.samples, found.different), (100, 0));
+    let found = by_block(&mut unit, tables, schedule, true, samples(500), |_| {}).unwrap();
+    assert_eq!((found.samples, found.different), (500, 0));
+
+    let state = unit.telemetry(0).unwrap();
+    assert_eq!(state.faults, FaultSet::NONE);
+    assert_eq!((state.overruns, state.dropped_frames), (0, 0));
+    assert!(state.raw.iter().all(|raw| *raw > 1e7), "{:?}", state.raw);
+}
+
+/// The path in the comment that a block begins with.
+fn name(block: &str) -> Option<&str> {
+    let first = block.lines().next()?;
+    let name = ["# ", "// ", "/* "]
+        .iter()
+        .find_map(|comment| first.strip_prefix(comment))?;
+    Some(name.trim_end_matches(" */"))
+}
+
+/// Writes the files that a page shows.
+fn write_files(page: &str, folder: &Path) -> usize {
+    let blocks = page.split("\n```").skip(1).step_by(2);
+    let blocks = blocks.filter_map(|block| Some(block.split_once('\n')?.1));
+    let files = blocks.filter_map(|block| Some((name(block)?, block)));
+    files
+        .map(|(name, contents)| {
+            let path = folder.join(name);
+            fs::create_dir_all(path.parent().unwrap()).unwrap();
+            fs::write(path, contents).unwrap();
+        })
+        .count()
+}
+
+#[test]
+fn the_crate_of_the_page_builds_and_runs() {
+    let folder = tempfile::tempdir().unwrap();
+    let root = folder.path().join("my-gyro");
+    assert_eq!(write_files(&text("docs/porting.md"), &root), 4);
+    std::os::unix::fs::symlink(WORKSPACE.root(), folder.path().join("tempco")).unwrap();
+    fs::create_dir(root.join("set")).unwrap();
+    fs::write(
+        root.join("set/table.rs"),
+        text("firmware/tables/example.rs"),
+    )
+    .unwrap();
+    fs::write(root.join("set/table.bin"), example_image()).unwrap();
+    // So that nothing newer is looked for.
+    fs::write(root.join("Cargo.lock"), text("Cargo.lock")).unwrap();
+
+    let cargo = env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    let output = Command::new(cargo)
+        .current_dir(&root)
+        .args(["run", "--quiet", "--release", "--offline", "--target-dir"])
+        // What others have built of its dependencies is not built again.
+        .arg(env::current_exe().unwrap().ancestors().nth(3).unwrap())
+        .output()
+        .unwrap();
+    let said = [output.stdout, output.stderr].concat();
+    let said = String::from_utf8_lossy(&said);
+    assert!(output.status.success(), "{said}");
+    assert!(said.contains("Valid: bias ["), "{said}");
+}
