@@ -2,8 +2,7 @@
 //! interrupt.
 
 use tempco_link::{
-    Axes, ChannelTelemetry, Channels, MAX_BLOCK, Outcome, OutcomeBlock, Refusal, Response, Sample,
-    SampleBlock,
+    Axes, ChannelTelemetry, Channels, Outcome, OutcomeBlock, Refusal, Response, Sample, SampleBlock,
 };
 use tempco_replay::{Outcome as Replayed, Replay, Sample as ReplayedSample};
 

@@ -257,9 +257,10 @@ mod tests {
             }
             last
         };
-        // The schedule begins with the first temperatures.
+        // The schedule begins half a period after the first temperatures.
         assert!(status(35).contains(Status::TEMPERATURE_LOST));
         main.temperatures.enqueue([25.0]).unwrap();
+        assert!(status(5).contains(Status::TEMPERATURE_LOST));
         assert!(!status(5).intersects(Status::TEMPERATURE_LOST | Status::TEMPERATURE_INVALID));
         assert!(status(10).contains(Status::TEMPERATURE_INVALID));
         assert_eq!(counts.overruns.load(Ordering::Relaxed), 0);
