@@ -114,7 +114,10 @@ impl Bench {
     /// # Panics
     /// If it cannot be written.
     pub fn write(&self, name: &str, contents: &str) {
-        std::fs::write(self.path(name), contents).expect("a file for the test");
+        let path = self.path(name);
+        let folder = path.parent().expect("a folder");
+        std::fs::create_dir_all(folder).expect("a folder for the test");
+        std::fs::write(path, contents).expect("a file for the test");
     }
 
     /// Runs `tempco` in the folder with arguments separated by blanks.

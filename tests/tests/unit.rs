@@ -193,7 +193,7 @@ fn garbage_on_the_line_does_no_harm() {
         rig.unit
             .built_in_test()
             .unwrap()
-            .without(Fault::SensorStuck.into()),
+            .without(Fault::Overrun.into()),
         FaultSet::NONE
     );
 }
