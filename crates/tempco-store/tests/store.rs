@@ -96,6 +96,25 @@ fn a_store_that_is_wholly_unreadable_boots_uncompensated_and_can_be_written_anew
     );
 }
 
+/// The slot that was chosen last is not always the one in use: its table may be bad. An update goes
+/// there, and the table in use stays, whatever becomes of the update.
+#[test]
+fn an_update_never_goes_to_the_slot_in_use() {
+    let mut flash = two_versions();
+    flash.flip(8 * (1024 + 200));
+    let mut buffer = BLANK;
+    let (mut store, found) = boot(&mut flash, &mut buffer);
+    assert_eq!(found.active.map(|active| active.slot), Some(Slot::A));
+    assert_eq!(store.begin(&mut flash, IMAGE_LEN), Ok(Slot::B));
+    let (mut store, found) = boot(&mut flash, &mut buffer);
+    assert_eq!(active_version(&found, &buffer), Some(1));
+
+    update(&mut store, &mut flash, &image(10, 3), &mut buffer).unwrap();
+    let (_, found) = boot(&mut flash, &mut buffer);
+    assert_eq!(active_version(&found, &buffer), Some(3));
+    assert_eq!(found.slots, [SlotState::Standby, SlotState::Active]);
+}
+
 #[test]
 fn roll_back_and_forth_until_there_is_no_room() {
     let mut flash = two_versions();
