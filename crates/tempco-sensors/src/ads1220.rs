@@ -10,6 +10,10 @@ const READ_DATA: u8 = 0x10;
 const READ_ALL_REGISTERS: u8 = 0x23;
 const WRITE_ALL_REGISTERS: u8 = 0x43;
 
+/// Time for which the chip takes no command after a reset \[ns\]: 50 us and 32 of its clocks, of
+/// 4.096 MHz.
+const AFTER_RESET_NS: u32 = 60_000;
+
 /// One conversion per start.
 const SINGLE_SHOT: u8 = 0;
 /// Reference from the pins REFP0 and REFN0; rejection of 50 and 60 Hz at 20 samples per second.
@@ -60,13 +64,17 @@ pub enum Rate {
     Sps330 = 4,
 }
 
-/// The chip, on an SPI bus in mode 1.
+/// The chip, on an SPI bus in mode 1, with a chip select that keeps
+/// [`SELECT_NS`](Self::SELECT_NS): a [`ChipSelect`](crate::ChipSelect), for instance.
 pub struct Ads1220<SPI> {
     spi: SPI,
     gain: Gain,
 }
 
 impl<SPI: SpiDevice> Ads1220<SPI> {
+    /// The least time from an edge of chip select to the next edge, of chip select or clock \[ns\].
+    pub const SELECT_NS: u32 = 50;
+
     /// The chip. [`configure`](Self::configure) comes next.
     pub const fn new(spi: SPI) -> Self {
         Self {
@@ -75,12 +83,18 @@ impl<SPI: SpiDevice> Ads1220<SPI> {
         }
     }
 
-    /// Resets the chip. It takes no command for 50 us from then on.
+    /// Resets the chip, and waits until it takes commands again: 60 us, within the selection, so the
+    /// SPI device needs a delay.
     ///
     /// # Errors
     /// [`SensorFault::Bus`].
     pub fn reset(&mut self) -> Result<(), SensorFault> {
-        self.write(&[RESET])
+        self.spi
+            .transaction(&mut [
+                Operation::Write(&[RESET]),
+                Operation::DelayNs(AFTER_RESET_NS),
+            ])
+            .map_err(|_| SensorFault::Bus)
     }
 
     /// Chooses input, gain and rate, for single conversions against the external reference.

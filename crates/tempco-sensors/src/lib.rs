@@ -7,7 +7,9 @@
 //! | digital | TMP117 ([`Tmp117`]) | none |
 //!
 //! A reading is a temperature \[degC\] or a [`SensorFault`]; [`for_core`] makes of it what the
-//! compensator takes. Nothing waits: a conversion is started, and read when it is due.
+//! compensator takes. Nothing waits for a conversion: it is started, and read when it is due. What
+//! the chips want in microseconds and less is waited for: by the drivers within a selection, by
+//! [`ChipSelect`] around it.
 //!
 //! The TMP117 is driven by the crate `tmp117`. For the MAX31865 and the ADS1220 there was no
 //! maintained crate for embedded-hal 1.0.
@@ -18,6 +20,7 @@
 #![forbid(unsafe_code)]
 
 mod ads1220;
+mod chip_select;
 mod divider;
 mod max31865;
 mod platinum;
@@ -26,6 +29,7 @@ mod tmp117;
 
 pub use crate::tmp117::Tmp117;
 pub use ads1220::{Ads1220, Gain, Input, Rate};
+pub use chip_select::ChipSelect;
 pub use divider::Divider;
 pub use max31865::{Filter, Max31865, Wires};
 pub use platinum::Platinum;

@@ -29,8 +29,10 @@ mod image {
     use tempco_replay::{ChannelOutcome, Outcome};
 
     const SAMPLE_RATE_HZ: u32 = 2000;
-    /// Samples until the first conversion of the sensors has ended: 100 ms.
-    const CONVERSION: u32 = SAMPLE_RATE_HZ / 10;
+    /// Readings of the sensors: they are started, their wires are checked, a temperature comes.
+    const READINGS: u32 = 3;
+    /// Samples from one reading to the next: 100 ms.
+    const SAMPLES_PER_READING: u32 = SAMPLE_RATE_HZ / 10;
     const WATCHDOG_MS: u32 = 10_000;
 
     static COUNTERS: Mutex<RefCell<Option<Counters>>> = Mutex::new(RefCell::new(None));
@@ -69,12 +71,13 @@ mod image {
         core.SYST.enable_interrupt();
         core.SYST.enable_counter();
 
-        log_temperatures(&mut devices.thermometers);
-        let start = samples();
-        while samples().wrapping_sub(start) < CONVERSION {
-            cortex_m::asm::wfi();
+        for _ in 0..READINGS {
+            log_temperatures(&mut devices.thermometers);
+            let start = samples();
+            while samples().wrapping_sub(start) < SAMPLES_PER_READING {
+                cortex_m::asm::wfi();
+            }
         }
-        log_temperatures(&mut devices.thermometers);
         log_counts();
 
         echo(&mut devices.link, &mut devices.watchdog);
@@ -83,7 +86,7 @@ mod image {
         exit(true)
     }
 
-    /// `NotReady` the first time, and what is wrong with a sensor that does not answer.
+    /// `NotReady` the first times, and what is wrong with a sensor that does not answer.
     fn log_temperatures(sensors: &mut impl Thermometers<SENSORS>) {
         for (sensor, reading) in sensors.read().into_iter().enumerate() {
             defmt::info!("sensor {=usize}: {}", sensor, reading);

@@ -11,6 +11,7 @@
 //! - `gyro`: counters and the data-ready pin
 //! - `output`, [`frame`]: every sample to USART6 by DMA
 //! - `sensors`, [`sensor`]: platinum resistors on SPI1
+//! - `wait`: waits of microseconds and less
 //! - `watchdog`: the independent watchdog
 //! - [`reset`]: why the chip started
 //!
@@ -57,6 +58,8 @@ mod output;
 mod sensors;
 #[cfg(all(target_os = "none", feature = "board-stm32f405"))]
 mod take;
+#[cfg(all(target_os = "none", feature = "board-stm32f405"))]
+mod wait;
 #[cfg(all(target_os = "none", feature = "board-stm32f405"))]
 mod watchdog;
 

@@ -2,10 +2,12 @@
 
 use core::hint::black_box;
 
+use embedded_hal::delay::DelayNs;
+use embedded_hal::digital::{self, OutputPin};
 use embedded_hal::{i2c, spi};
 use tempco_sensors::{
-    Ads1220, Divider, Filter, Gain, Input, Max31865, Platinum, Rate, SensorFault, Thermistor,
-    Tmp117, Wires, for_core,
+    Ads1220, ChipSelect, Divider, Filter, Gain, Input, Max31865, Platinum, Rate, SensorFault,
+    Thermistor, Tmp117, Wires, for_core,
 };
 
 /// Reads each of the sensors and converts what it says.
@@ -14,6 +16,7 @@ pub fn sensors() {
     _ = black_box(max31865().map(|temp_c| for_core(Ok(temp_c))));
     _ = black_box(ads1220());
     _ = black_box(tmp117());
+    _ = black_box(chip_select());
     let platinum = Platinum {
         r0_ohm: black_box(100.0),
     };
@@ -25,6 +28,8 @@ fn max31865() -> Result<f32, SensorFault> {
     let (wires, filter) = black_box((Wires::Three, Filter::Hz50));
     let mut chip = Max31865::new(Bus, black_box(Platinum::PT100), 400.0, wires, filter);
     _ = black_box(chip.start(black_box(-40.0), black_box(85.0)));
+    // A conversion with a fault-detection cycle after it, and the end of the cycle.
+    _ = black_box(chip.read());
     let temp_c = chip.read();
     _ = black_box(chip.release());
     temp_c
@@ -54,11 +59,38 @@ fn tmp117() -> Result<f32, SensorFault> {
     chip.read()
 }
 
+#[inline(never)]
+fn chip_select() -> Result<(), digital::ErrorKind> {
+    let mut select = ChipSelect::new(Bus, Bus, black_box(Max31865::<Bus>::SELECT_NS));
+    select.set_low()?;
+    select.set_high()
+}
+
 struct Bus;
 
 /// What comes over a bus is anybody's guess.
 fn answer(bytes: &mut [u8]) {
     bytes.iter_mut().for_each(|byte| *byte = black_box(0x5a));
+}
+
+impl DelayNs for Bus {
+    fn delay_ns(&mut self, ns: u32) {
+        _ = black_box(ns);
+    }
+}
+
+impl digital::ErrorType for Bus {
+    type Error = digital::ErrorKind;
+}
+
+impl OutputPin for Bus {
+    fn set_low(&mut self) -> Result<(), digital::ErrorKind> {
+        black_box(Ok(()))
+    }
+
+    fn set_high(&mut self) -> Result<(), digital::ErrorKind> {
+        black_box(Ok(()))
+    }
 }
 
 impl spi::ErrorType for Bus {

@@ -2,20 +2,22 @@
 
 use core::cell::RefCell;
 
-use embedded_hal_bus::spi::{NoDelay, RefCellDevice};
+use embedded_hal_bus::spi::RefCellDevice;
 use stm32f4xx_hal::gpio::{ErasedPin, Output, PA5, PA6, PA7};
 use stm32f4xx_hal::hal::spi::MODE_1;
 use stm32f4xx_hal::pac::SPI1;
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Rcc;
 use stm32f4xx_hal::spi::Spi;
-use tempco_sensors::SensorFault;
+use tempco_sensors::{ChipSelect, Max31865, SensorFault};
 
 use super::SENSORS;
 use super::sensor::Sensor;
+use super::wait::Cycles;
 use crate::unit::devices::Thermometers;
 
-type Device = RefCellDevice<'static, Spi<SPI1>, ErasedPin<Output>, NoDelay>;
+type Select = ChipSelect<ErasedPin<Output>, Cycles>;
+type Device = RefCellDevice<'static, Spi<SPI1>, Select, Cycles>;
 
 /// The sensors; channel by channel the first, second and third.
 pub struct Sensors([Sensor<Device>; SENSORS]);
@@ -33,7 +35,8 @@ impl Sensors {
         let bus: &'static RefCell<_> =
             cortex_m::singleton!(: RefCell<Spi<SPI1>> = RefCell::new(spi))?;
         Some(Self(selects.map(|select| {
-            let Ok(device) = RefCellDevice::new_no_delay(bus, select);
+            let select = ChipSelect::new(select, Cycles, Max31865::<Device>::SELECT_NS);
+            let Ok(device) = RefCellDevice::new(bus, select, Cycles);
             Sensor::new(device)
         })))
     }
