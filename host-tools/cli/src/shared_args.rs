@@ -5,7 +5,9 @@ use std::path::{Path, PathBuf};
 use anyhow::{Error, Result, ensure};
 use tempco_fit::digest::{LogDigest, Plan, digest_file};
 use tempco_fit::load_set;
-use tempco_fit::log::{AxisColumn, Log, Mapping, ReadOptions, TempColumn, read_log_observed};
+use tempco_fit::log::{
+    AxisColumn, Log, Mapping, ReadOptions, TempColumn, list_names, read_log_observed,
+};
 use tempco_fit::parallel;
 use tempco_fit::set::{CoefficientSet, set_of_image};
 use tempco_fit::unit::COLUMN_UNITS;
@@ -129,7 +131,7 @@ impl LogArgs {
 /// Says what of a log was not used.
 fn remark(file: &str, ignored_columns: &[String], skipped_rows: usize) {
     if !ignored_columns.is_empty() {
-        eprintln!("{file}: columns not used: {}", ignored_columns.join(", "));
+        eprintln!("{file}: columns not used: {}", list_names(ignored_columns));
     }
     if skipped_rows > 0 {
         eprintln!("{file}: {skipped_rows} bad rows left out");

@@ -3,11 +3,26 @@
 use std::io::{self, Read};
 
 use memchr::{memchr, memchr_iter, memrchr};
+use thiserror::Error;
 
 use super::records::{Records, lines};
 
 /// A row longer than this is no row of numbers.
 const LONGEST_ROW: usize = 16 << 20;
+
+/// Why there is no next block.
+#[derive(Debug, Error)]
+pub(super) enum BlockError {
+    /// That of the stream.
+    #[error(transparent)]
+    Stream(#[from] io::Error),
+    /// A row that is no row of numbers.
+    #[error("no end within {} MiB: expected rows of numbers", LONGEST_ROW >> 20)]
+    Endless {
+        /// Its line.
+        line: u64,
+    },
+}
 
 /// Some whole rows.
 #[derive(Debug)]
@@ -96,7 +111,7 @@ impl<R: Read> Blocks<R> {
     ///
     /// # Errors
     /// Those of the stream, and a row that has no end within 16 MiB.
-    pub(super) fn next(&mut self) -> io::Result<Option<Block>> {
+    pub(super) fn next(&mut self) -> Result<Option<Block>, BlockError> {
         let mut bytes = Vec::with_capacity(self.size.max(self.rest.len()) + 1);
         bytes.append(&mut self.rest);
         let mut size = self.size;
@@ -115,12 +130,9 @@ impl<R: Read> Blocks<R> {
                 break;
             }
             if bytes.len() > LONGEST_ROW {
-                return Err(io::Error::new(
-                    io::ErrorKind::InvalidData,
-                    format!("line {} has no end within 16 MiB", self.line),
-                ));
+                return Err(BlockError::Endless { line: self.line });
             }
-            size *= 2;
+            size = (2 * size).min(LONGEST_ROW + 1);
         }
         if bytes.is_empty() {
             return Ok(None);
@@ -207,7 +219,8 @@ mod tests {
     #[test]
     fn a_row_without_end_is_refused_in_bounded_memory() {
         let mut blocks = Blocks::new(io::repeat(b'1'), 1 << 20);
-        let error = blocks.next().unwrap_err().to_string();
-        assert_eq!(error, "line 1 has no end within 16 MiB");
+        let error = blocks.next().unwrap_err();
+        assert!(matches!(error, BlockError::Endless { line: 1 }));
+        assert!(error.to_string().contains("16 MiB"), "{error}");
     }
 }

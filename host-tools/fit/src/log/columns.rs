@@ -1,5 +1,8 @@
 //! Which columns of a header are time, temperatures and axes, and in which units.
 
+use std::collections::HashSet;
+
+use super::excerpt::{excerpt, list_names};
 use crate::unit::{COLUMN_UNITS, ColumnUnit};
 
 /// Columns named by the user instead of by the naming rule.
@@ -56,10 +59,9 @@ pub(crate) struct ChannelColumns {
 impl Columns {
     /// Finds the columns; the error is what is wrong with the header.
     pub(crate) fn find(header: &[String], mapping: &Mapping) -> Result<Self, String> {
-        for (position, name) in header.iter().enumerate() {
-            if header[..position].contains(name) {
-                return Err(format!("two columns are named `{name}`"));
-            }
+        let mut names = HashSet::new();
+        if let Some(twice) = header.iter().find(|name| !names.insert(name.as_str())) {
+            return Err(format!("two columns are named `{}`", excerpt(twice)));
         }
         let time = find_time(header, mapping)?;
         let temps = find_temps(header, mapping)?;
@@ -84,7 +86,7 @@ fn position(header: &[String], name: &str) -> Result<usize, String> {
     header
         .iter()
         .position(|column| column == name)
-        .ok_or_else(|| format!("no column `{name}`; there are {}", list(header)))
+        .ok_or_else(|| format!("no column `{name}`; there are {}", list_names(header)))
 }
 
 fn find_time(header: &[String], mapping: &Mapping) -> Result<usize, String> {
@@ -94,12 +96,12 @@ fn find_time(header: &[String], mapping: &Mapping) -> Result<usize, String> {
     position(header, "time_s").map_err(|_| {
         let lead = match header.iter().find(|name| name.starts_with("time")) {
             _ if header.len() == 1 => "the columns must be separated by commas".to_owned(),
-            Some(other) => format!("`{other}` is not in seconds by its name"),
+            Some(other) => format!("`{}` is not in seconds by its name", excerpt(other)),
             None => "no time column".to_owned(),
         };
         format!(
             "{lead}: expected `time_s` [s], or a column named by --time; there are {}",
-            list(header)
+            list_names(header)
         )
     })
 }
@@ -127,13 +129,13 @@ fn find_temps(
     match found.len() {
         0 => {
             let lead = match header.iter().find(|name| name.starts_with("temp")) {
-                Some(other) => format!("`{other}` is not in degC by its name"),
+                Some(other) => format!("`{}` is not in degC by its name", excerpt(other)),
                 None => "no temperature column".to_owned(),
             };
             Err(format!(
                 "{lead}: expected `temp_c` [degC] or one `temp_AXIS_c` per axis, or a column \
                  named by --temp; there are {}",
-                list(header)
+                list_names(header)
             ))
         }
         1 => Ok(vec![(found[0].0, None)]),
@@ -161,7 +163,7 @@ fn find_axes(header: &[String], mapping: &Mapping) -> Result<Vec<(usize, AxisCol
         0 => Err(format!(
             "no axis column: expected NAME_UNIT with UNIT one of {COLUMN_UNITS}, or columns \
              named by --axis; there are {}",
-            list(header)
+            list_names(header)
         )),
         1..=MAX_AXES => Ok(axes),
         count => Err(format!(
@@ -193,10 +195,11 @@ fn recognise(column: &str) -> Result<Option<AxisColumn>, String> {
         let found = if is_axis_name(column) || unit.is_empty() {
             "has no unit".to_owned()
         } else {
-            format!("has the unknown unit `{unit}`")
+            format!("has the unknown unit `{}`", excerpt(unit))
         };
         return Err(format!(
-            "column `{column}` {found}: expected one of {COLUMN_UNITS}"
+            "column `{}` {found}: expected one of {COLUMN_UNITS}",
+            excerpt(column)
         ));
     }
     Ok(None)
@@ -242,7 +245,7 @@ fn assign(
                      choose one for all axes by --temp COLUMN, or one per axis by \
                      --temp AXIS=COLUMN",
                     temps.len(),
-                    axis.1.name
+                    excerpt(&axis.1.name)
                 ));
             }
         }
@@ -256,11 +259,6 @@ fn assign(
         );
     }
     Ok(channels)
-}
-
-fn list(header: &[String]) -> String {
-    let names: Vec<String> = header.iter().map(|name| format!("`{name}`")).collect();
-    names.join(", ")
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use super::LogError;
 use super::chunk::Chunk;
 use super::columns::{Columns, Mapping};
+use super::excerpt::excerpt;
 
 /// Temperatures outside this range \[degC\] are taken for a wrong unit, not for a reading.
 const PLAUSIBLE_TEMP_C: std::ops::RangeInclusive<f64> = -100.0..=200.0;
@@ -134,7 +135,7 @@ impl Layout {
 
     /// An error of a cell in row or line `number`.
     pub(super) fn cell_error(&self, number: u64, position: usize, message: String) -> LogError {
-        let (path, name) = (self.path.clone(), self.header[position].clone());
+        let (path, name) = (self.path.clone(), excerpt(&self.header[position]));
         let column = position + 1;
         match self.row_kind {
             RowKind::Line => LogError::Cell {

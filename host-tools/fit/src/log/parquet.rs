@@ -6,21 +6,24 @@ use std::sync::Arc;
 use std::thread::{self, JoinHandle};
 
 use parquet::basic::{ConvertedType, LogicalType, Type as PhysicalType};
-use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
+use parquet::column::reader::{ColumnReader, ColumnReaderImpl, get_column_reader};
 use parquet::data_type::DataType;
 use parquet::errors::ParquetError;
-use parquet::file::reader::{FileReader, SerializedFileReader};
+use parquet::file::metadata::{ParquetMetaData, ParquetMetaDataReader};
 use parquet::schema::types::ColumnDescriptor;
 
 use super::LogError;
 use super::columns::Mapping;
+use super::excerpt::excerpt;
 use super::layout::{Layout, RowKind};
 use super::order::{Bad, Parsed};
+use super::pages::{BoundedFile, LARGEST_PAGE, Pages, TooLarge};
 use super::source::Source;
 
 /// The rows of a Parquet file, some at a time.
 pub(super) struct ParquetRows {
-    file: SerializedFileReader<File>,
+    file: Arc<BoundedFile>,
+    metadata: ParquetMetaData,
     layout: Arc<Layout>,
     skip_bad_rows: bool,
     rows_at_a_time: usize,
@@ -50,14 +53,16 @@ impl ParquetRows {
         rows_at_a_time: usize,
     ) -> Result<(Self, Arc<Layout>), LogError> {
         let file = File::open(path).map_err(LogError::io(path))?;
-        let file = SerializedFileReader::new(file).map_err(|cause| unsound(path, &cause))?;
-        let schema = file.metadata().file_metadata().schema_descr();
+        let file = BoundedFile::new(file, LARGEST_PAGE);
+        let metadata = ParquetMetaDataReader::new().parse_and_finish(&file);
+        let metadata = metadata.map_err(|cause| refused(path, &cause))?;
+        let schema = metadata.file_metadata().schema_descr();
         let header = schema.columns().iter().map(|column| column.path().string());
         let layout = Layout::new(path, header.collect(), mapping, RowKind::Row)?;
         for slot in &layout.slots {
             let column = schema.column(slot.position);
             if let Some(found) = no_number(&column) {
-                let name = &layout.header[slot.position];
+                let name = excerpt(&layout.header[slot.position]);
                 return Err(LogError::file(
                     path,
                     format!("column `{name}` holds {found}: expected floats or integers"),
@@ -66,7 +71,8 @@ impl ParquetRows {
         }
         let layout = Arc::new(layout);
         let rows = Self {
-            file,
+            file: Arc::new(file),
+            metadata,
             layout: Arc::clone(&layout),
             skip_bad_rows,
             rows_at_a_time,
@@ -85,9 +91,9 @@ impl ParquetRows {
     /// A file that is not sound.
     pub(super) fn next(&mut self) -> Result<Result<Parsed, String>, LogError> {
         let layout = Arc::clone(&self.layout);
-        let failed = |cause: ParquetError| unsound(&layout.path, &cause);
+        let failed = |cause: ParquetError| refused(&layout.path, &cause);
         while self.rows_left == 0 {
-            if self.group == self.file.num_row_groups() {
+            if self.group == self.metadata.num_row_groups() {
                 let digest = self.digest.take().expect("a log ends once").join();
                 let digest = digest.expect("forming a digest cannot panic");
                 return Ok(Err(digest.map_err(LogError::io(&layout.path))?));
@@ -108,18 +114,21 @@ impl ParquetRows {
     }
 
     fn open_group(&mut self) -> Result<(), ParquetError> {
-        let group = self.file.get_row_group(self.group)?;
-        let schema = self.file.metadata().file_metadata().schema_descr();
-        self.rows_left = usize::try_from(group.metadata().num_rows()).unwrap_or(0);
+        let group = self.metadata.row_group(self.group);
+        let schema = self.metadata.file_metadata().schema_descr();
+        let rows = usize::try_from(group.num_rows())?;
         self.readers = self
             .layout
             .slots
             .iter()
             .map(|slot| {
-                let reader = group.get_column_reader(slot.position)?;
-                Ok(Column::new(&schema.column(slot.position), reader))
+                let column = schema.column(slot.position);
+                let pages = Pages::new(&self.file, group.column(slot.position), rows)?;
+                let reader = get_column_reader(Arc::clone(&column), Box::new(pages));
+                Ok(Column::new(&column, reader))
             })
             .collect::<Result<_, ParquetError>>()?;
+        self.rows_left = rows;
         self.group += 1;
         Ok(())
     }
@@ -177,11 +186,13 @@ impl ParquetRows {
     }
 }
 
-fn unsound(path: &Path, cause: &ParquetError) -> LogError {
-    LogError::file(
-        path,
-        format!("not a sound Parquet file (was it cut off?): {cause}"),
-    )
+fn refused(path: &Path, cause: &ParquetError) -> LogError {
+    let message = match cause {
+        ParquetError::External(cause) if cause.is::<TooLarge>() => cause.to_string(),
+        ParquetError::NYI(what) => what.clone(),
+        _ => format!("not a sound Parquet file (was it cut off?): {cause}"),
+    };
+    LogError::file(path, message)
 }
 
 /// What a column holds, if that is not plain numbers.

@@ -10,7 +10,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 
 use super::LogError;
-use super::blocks::{Block, Blocks};
+use super::blocks::{Block, BlockError, Blocks};
 use super::columns::Mapping;
 use super::layout::{Layout, RowKind};
 use super::order::Parsed;
@@ -47,9 +47,9 @@ impl Pipeline {
         block_bytes: usize,
     ) -> Result<(Self, Arc<Layout>), LogError> {
         let format = source.format;
-        let failed = |cause| format.error(path, cause);
-        let mut blocks = Blocks::new(source.text().map_err(failed)?, block_bytes);
-        let mut first = blocks.next().map_err(failed)?;
+        let text = source.text().map_err(|cause| format.error(path, cause))?;
+        let mut blocks = Blocks::new(text, block_bytes);
+        let mut first = blocks.next().map_err(|cause| failed(path, format, cause))?;
         let header = first.as_mut().and_then(Block::take_header);
         let (Some(first), Some(header)) = (first, header) else {
             return Err(LogError::file(
@@ -81,6 +81,13 @@ impl Pipeline {
             Item::Parsing(parsed) => Ok(Ok(parsed.recv().expect(ALIVE))),
             Item::Ended(digest) => Ok(Err(digest?)),
         }
+    }
+}
+
+fn failed(path: &Path, format: Format, cause: BlockError) -> LogError {
+    match cause {
+        BlockError::Stream(cause) => format.error(path, cause),
+        BlockError::Endless { line } => LogError::line(path, line, cause.to_string()),
     }
 }
 
@@ -138,7 +145,7 @@ impl BlockReader {
             next = match blocks.next() {
                 Ok(next) => next,
                 Err(cause) => {
-                    let error = self.format.error(&self.path, cause);
+                    let error = failed(&self.path, self.format, cause);
                     let _ = self.items.send(Item::Ended(Err(error)));
                     return;
                 }

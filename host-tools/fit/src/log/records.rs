@@ -4,7 +4,7 @@ use csv_core::{ReadRecordResult, Reader};
 use memchr::memchr_iter;
 
 /// The most cells of a record that are told apart; a longer one is as long as that.
-const MOST_CELLS: usize = 1 << 16;
+pub(super) const MOST_CELLS: usize = 1 << 16;
 
 /// Goes through the records of a text; blank lines are none.
 pub(super) struct Records<'a> {

@@ -5,9 +5,10 @@ use memchr::{memchr_iter, memchr2};
 use super::LogError;
 use super::blocks::Block;
 use super::decimal;
+use super::excerpt::excerpt_of_bytes;
 use super::layout::{Layout, Slot};
 use super::order::{Bad, Parsed};
-use super::records::Records;
+use super::records::{MOST_CELLS, Records};
 
 /// Bytes that a row takes at least, about: room is made for so many rows.
 const BYTES_PER_ROW: usize = 16;
@@ -83,7 +84,8 @@ impl Rows<'_> {
                 let row = &text[start..end];
                 let row = row.strip_suffix(b"\r").unwrap_or(row);
                 if !row.is_empty() {
-                    let cells: Vec<&[u8]> = row.split(|&byte| byte == b',').collect();
+                    let cells = row.split(|&byte| byte == b',').take(MOST_CELLS);
+                    let cells: Vec<&[u8]> = cells.collect();
                     if !self.cells(line, &cells) {
                         return;
                     }
@@ -215,9 +217,6 @@ fn unusual_cell(text: &[u8], at: usize) -> Option<(f64, usize)> {
 fn not_a_number(cell: &[u8]) -> String {
     match cell {
         [] => "an empty cell: expected a finite number".to_owned(),
-        _ => format!(
-            "`{}`: expected a finite number",
-            String::from_utf8_lossy(cell)
-        ),
+        _ => format!("`{}`: expected a finite number", excerpt_of_bytes(cell)),
     }
 }

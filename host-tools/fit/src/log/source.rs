@@ -37,9 +37,6 @@ impl Format {
     /// The error of a stream of this format, said so that the user knows what to do.
     pub(super) fn error(self, path: &Path, cause: io::Error) -> LogError {
         let name = match self {
-            Self::Text if cause.kind() == io::ErrorKind::InvalidData => {
-                return LogError::file(path, format!("{cause}: expected rows of numbers"));
-            }
             Self::Text | Self::Parquet => return LogError::io(path)(cause),
             Self::Gzip => "gzip",
             Self::Zstd => "zstd",

@@ -5,7 +5,9 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use parquet::basic::{Compression, GzipLevel, ZstdLevel};
 use parquet::column::writer::ColumnWriter;
+use parquet::file::properties::{WriterProperties, WriterVersion};
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::parser::parse_message_type;
 use proptest::prelude::*;
@@ -68,11 +70,15 @@ fn zstandard(bytes: &[u8]) -> Vec<u8> {
 
 /// Writes rows as Parquet in groups of `group` rows; a NaN of `x_dph` becomes a null.
 fn parquet_of(path: &Path, rows: &Chunk, group: usize) {
+    parquet_with(path, rows, group, WriterProperties::default());
+}
+
+fn parquet_with(path: &Path, rows: &Chunk, group: usize, properties: WriterProperties) {
     let schema = "message log { required double time_s; required double temp_c; \
                   optional double x_dph; required int32 y_pulses; }";
     let schema = Arc::new(parse_message_type(schema).unwrap());
     let file = File::create(path).unwrap();
-    let mut writer = SerializedFileWriter::new(file, schema, Arc::default()).unwrap();
+    let mut writer = SerializedFileWriter::new(file, schema, Arc::new(properties)).unwrap();
     for start in (0..rows.rows()).step_by(group) {
         let range = start..rows.rows().min(start + group);
         let mut columns = writer.next_row_group().unwrap();
@@ -141,6 +147,116 @@ fn packed_logs_and_tables_are_the_same_to_the_bit() {
     assert_eq!(log.time_s, expected.time_s);
     let digest = <sha2::Sha256 as sha2::Digest>::digest(fs::read(&path).unwrap());
     assert_eq!(log.sha256, super::hex(&digest));
+}
+
+/// Pages of every kind: packed or not, with and without a dictionary, of both versions, with nulls.
+#[test]
+fn pages_of_every_kind_are_the_same_to_the_bit() {
+    let folder = tempfile::tempdir().unwrap();
+    let csv = write(folder.path(), "log.csv", good_csv(5000).as_bytes());
+    let mut rows = read_in_parts(&csv, 1 << 20, false).unwrap();
+    rows.axes[0][700] = f64::NAN;
+    let path = folder.path().join("table");
+    let mut expected = None;
+    for compression in [
+        Compression::UNCOMPRESSED,
+        Compression::SNAPPY,
+        Compression::GZIP(GzipLevel::default()),
+        Compression::ZSTD(ZstdLevel::default()),
+    ] {
+        for version in [WriterVersion::PARQUET_1_0, WriterVersion::PARQUET_2_0] {
+            for has_dictionary in [false, true] {
+                let properties = WriterProperties::builder()
+                    .set_compression(compression)
+                    .set_writer_version(version)
+                    .set_dictionary_enabled(has_dictionary)
+                    .set_data_page_size_limit(5000)
+                    .build();
+                parquet_with(&path, &rows, 3000, properties);
+                let read = read_in_parts(&path, 1000, true).unwrap();
+                assert_eq!(read.rows(), 4999);
+                let expected = expected.get_or_insert_with(|| bits(&read));
+                assert_eq!(bits(&read), *expected, "{compression} {version:?}");
+            }
+        }
+    }
+}
+
+/// Memory is bounded by what a row and a part of a table may take, however small the file is.
+#[test]
+fn what_unpacks_without_end_is_refused_and_called_what_it_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let endless = [b"time_s,temp_c,x_dph\n0,20," as &[u8], &[b'1'; 17 << 20]].concat();
+    for bytes in [gzip(&endless), zstandard(&endless), endless] {
+        let path = write(folder.path(), "endless", &bytes);
+        let error = read_log(&path, &ReadOptions::default()).unwrap_err();
+        let error = error.to_string();
+        let expected = "endless:2: no end within 16 MiB: expected rows of numbers";
+        assert!(error.ends_with(expected), "{error}");
+    }
+    // A footer of 200 MiB.
+    let path = write(folder.path(), "footer", b"PAR1");
+    let file = File::options().append(true).open(&path).unwrap();
+    file.set_len(300 << 20).unwrap();
+    let tail = [&(200_u32 << 20).to_le_bytes()[..], b"PAR1"].concat();
+    (&file).write_all(&tail).unwrap();
+    let error = read_log(&path, &ReadOptions::default()).unwrap_err();
+    let expected = "a Parquet page, or the footer, is larger than 128 MiB";
+    assert!(error.to_string().contains(expected), "{error}");
+}
+
+/// A message is one that a person can read, whatever stands in the file.
+#[test]
+fn long_cells_names_and_headers_are_cut_in_messages() {
+    let folder = tempfile::tempdir().unwrap();
+    let long = "x".repeat(1 << 20);
+    let many: Vec<String> = (0..70_000).map(|column| format!("c{column}")).collect();
+    let many = many.join(",");
+    for (text, expected) in [
+        (
+            format!("time_s,temp_c,x_dph\n0,20,{long}\n"),
+            ":2:3: column `x_dph`: `xxx",
+        ),
+        (
+            format!("time_s,temp_c,x_dph\n0,20,\"{long}\"\n"),
+            ":2:3: column `x_dph`: `xxx",
+        ),
+        (
+            format!("time_s,temp_c,{long}_dph\n0,20,\n"),
+            ":2:3: column `xxx",
+        ),
+        (format!("{long},{long}\n"), ":1: two columns are named `xxx"),
+        (
+            format!("time_{long}\n"),
+            ":1: the columns must be separated by commas",
+        ),
+        (
+            format!("time_{long},a\n"),
+            "xxx...` is not in seconds by its name",
+        ),
+        (
+            format!("time_s,temp_{long}\n"),
+            "xxx...` is not in degC by its name",
+        ),
+        (format!("time_s,temp_c,x_{long}\n"), ":1: column `x_xxx"),
+        (
+            format!("time_s,temp_a_c,temp_b_c,{long}_dph\n"),
+            "belongs to axis `xxx",
+        ),
+        (format!("{many}\n"), "`c18`, `c19` and 65516 more"),
+        (format!("{many},c5\n"), "`c18`, `c19` and 65516 more"),
+        (format!("c5,{many}\n"), ":1: two columns are named `c5`"),
+    ] {
+        let path = write(folder.path(), "long", text.as_bytes());
+        let error = read_log(&path, &ReadOptions::default()).unwrap_err();
+        let error = error.to_string();
+        assert!(
+            error.contains(expected),
+            "{}",
+            &error[..error.len().min(1000)]
+        );
+        assert!(error.len() < 600, "{}", error.len());
+    }
 }
 
 #[test]
