@@ -106,3 +106,68 @@ fn the_guide_has_every_fault_with_its_class() {
         .collect();
     assert_eq!(found, expected);
 }
+
+/// The numbers in the row of a table of figures that begins with some words.
+fn committed(name: &str, row: &str) -> Vec<f64> {
+    let table = fs::read_to_string(root().join("firmware/tests").join(name)).unwrap();
+    let numbers = table.lines().find_map(|line| line.strip_prefix(row));
+    let numbers = numbers.unwrap().split_whitespace();
+    numbers.map(|number| number.parse().unwrap()).collect()
+}
+
+/// What the pages say of the unit's load, latency and memory is what was measured, rounded.
+#[test]
+fn the_figures_of_the_unit_are_those_measured() {
+    let [load, latency, stack] = committed("load.txt", "unit ")[..] else {
+        panic!("columns of load.txt")
+    };
+    let [text, rodata, data, bss] = committed("sizes.txt", "unit mps2-an386 ")[..] else {
+        panic!("columns of sizes.txt")
+    };
+    let other: f64 = committed("sizes.txt", "unit stm32f405 ")[..3].iter().sum();
+    let kilo = |bytes: f64| format!("{:.0}", bytes / 1000.0);
+    let (variables, program) = (kilo(data + bss), kilo(text + rodata + data));
+    let (ram, stack_kb) = (kilo(data + bss + stack), format!("{:.1}", stack / 1000.0));
+    // At 168 MHz, 2 kHz and 1.5 cycles per instruction.
+    let percent = 100.0 * load * 1.5 * 2000.0 / 168e6;
+    let latency_us = latency * 1.5 / 168.0;
+    for (page, sentences) in [
+        (
+            "docs/port-in-an-hour.md",
+            vec![
+                format!("About {ram} kB of RAM (variables {variables} kB, stack {stack_kb} kB)"),
+                format!("{program} to {} kB of flash for the program", kilo(other)),
+                format!("{load} instructions per sample and {latency} from interrupt to output"),
+                format!("a load of {percent:.1} % and {latency_us:.1} us"),
+                format!("{stack_kb} kB at most on mps2-an386, variables {variables} kB"),
+            ],
+        ),
+        (
+            "docs/unit.md",
+            vec![
+                format!("| interrupt to output, worst, one channel of three axes | {latency} |"),
+                format!("while nobody talks to it | {load} |"),
+                format!(
+                    "{load} instructions per sample are {:.1} million",
+                    load * 2e-3
+                ),
+                format!("The stack takes {stack_kb} kB at most"),
+                format!("code and constants {program} kB, variables {variables} kB"),
+            ],
+        ),
+        (
+            "README.md",
+            vec![
+                format!("it takes {latency} instructions at worst"),
+                format!("work {load} per sample"),
+                format!("{load} and {latency} instructions, {stack_kb} kB"),
+            ],
+        ),
+    ] {
+        let text = fs::read_to_string(root().join(page)).unwrap();
+        let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
+        for sentence in sentences {
+            assert!(text.contains(&sentence), "{page}: {sentence}");
+        }
+    }
+}

@@ -17,8 +17,8 @@
 //!
 //! # When the flash is erased
 //! The chip has one bank of flash. While a sector is erased nothing can be fetched from it, so the
-//! processor stands still, interrupts and all: 2 s typically, 4 s at most. There are no samples
-//! for so long. Hence these rules:
+//! processor stands still, interrupts and all: 2 s typically, 4 s at most, with the parallelism of
+//! 8 bits that the HAL uses. There are no samples for so long. Hence these rules:
 //!
 //! - A table is loaded, and the fault log turned, only where the unit may be without output. That is
 //!   the application's to decide; nothing here can.
