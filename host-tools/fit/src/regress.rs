@@ -93,6 +93,12 @@ impl<'a> ChannelData<'a> {
         axes.map(|(axis, constant)| axis.mean - constant)
     }
 
+    /// Names of the logs' files.
+    pub(crate) fn files(&self) -> String {
+        let names: Vec<&str> = self.logs.iter().map(|log| log.file()).collect();
+        names.join(", ")
+    }
+
     /// Name of the temperature.
     pub(crate) fn temperature(&self) -> &'a str {
         &self.of(0).column

@@ -1,10 +1,16 @@
 //! Least squares from any number of rows in fixed memory: a triangular factor that grows by
 //! blocks and merges.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, SVD};
 
 /// Rows gathered before they are folded into the factor.
 const BLOCK_ROWS: usize = 256;
+
+/// Regressors of a larger condition number are not solved for.
+const MOST_CONDITION: f64 = 1e10;
+
+/// Steps of the search for singular values, per regressor: two or three are usual.
+const MOST_STEPS: usize = 100;
 
 /// The factor R of a QR decomposition of rows `[regressors | observations]`.
 ///
@@ -148,17 +154,12 @@ impl RFactor {
             .collect()
     }
 
-    /// Solves for the first `terms` regressors; `None` where they are not independent.
+    /// Solves for the first `terms` regressors; `None` where they are not independent, as where one
+    /// is 0 in all rows, and where rows or observations are not finite.
     pub fn solve(&mut self, terms: usize) -> Option<Solution> {
         let r = self.triangle();
         let triangle = r.view((0, 0), (terms, terms)).into_owned();
-        let lengths: Vec<f64> = (0..terms).map(|j| triangle.column(j).norm()).collect();
-        let scaled = DMatrix::from_fn(terms, terms, |i, j| triangle[(i, j)] / lengths[j]);
-        let singular = scaled.singular_values();
-        let condition = singular.max() / singular.min();
-        if !condition.is_finite() || condition > 1e10 {
-            return None;
-        }
+        let condition = condition(&triangle).filter(|&condition| condition <= MOST_CONDITION)?;
         let inverse = triangle.solve_upper_triangular(&DMatrix::identity(terms, terms))?;
         let freedom = (self.rows as f64 - terms as f64).max(1.0);
         let mut solution = Solution {
@@ -173,6 +174,9 @@ impl RFactor {
             let coefficients = triangle.solve_upper_triangular(&target)?;
             let between = r.view((terms, column), (column + 1 - terms, 1));
             let residual = (between.norm_squared() + within).sqrt();
+            if !residual.is_finite() {
+                return None;
+            }
             solution.coefficients.push(coefficients.as_slice().to_vec());
             solution.rms.push(residual / (self.rows as f64).sqrt());
             let scale = residual / freedom.sqrt();
@@ -181,6 +185,24 @@ impl RFactor {
         }
         Some(solution)
     }
+}
+
+/// Condition number of the columns, each scaled to unit length; `None` where one has no length or
+/// is not finite.
+fn condition(columns: &DMatrix<f64>) -> Option<f64> {
+    let count = columns.ncols();
+    let lengths: Vec<f64> = columns.column_iter().map(|column| column.norm()).collect();
+    if !lengths
+        .iter()
+        .all(|&length| length > 0.0 && length.is_finite())
+    {
+        return None;
+    }
+    let scaled = DMatrix::from_fn(count, count, |i, j| columns[(i, j)] / lengths[j]);
+    // The library's own precision; it would go on for ever without a limit.
+    let (epsilon, steps) = (5.0 * f64::EPSILON, MOST_STEPS * count);
+    let singular = SVD::try_new(scaled, false, false, epsilon, steps)?.singular_values;
+    Some(singular.max() / singular.min())
 }
 
 /// Cosines of the angles between the rows of the inverse triangle.
@@ -325,5 +347,29 @@ mod tests {
         assert!(independence[2].independent < 1e-12);
         assert!(factor.solve(3).is_none());
         assert!(factor.solve(2).is_some());
+    }
+
+    /// A column of zeros is what a segment without data gives.
+    #[test]
+    fn zeros_and_what_is_not_finite_are_not_solved() {
+        let solved = |regressor: f64, observation: f64| {
+            let mut factor = RFactor::new(4, 1);
+            for i in 0..100 {
+                let z = f64::from(i) / 50.0 - 1.0;
+                let (regressor, observation) = match i {
+                    40.. => (regressor, observation),
+                    _ => (0.0, z),
+                };
+                factor.push([1.0, z, z * z, regressor, observation]);
+            }
+            factor.solve(4).is_some()
+        };
+        assert!(solved(1.0, 2.0));
+        for regressor in [0.0, f64::NAN, f64::INFINITY, 1e300] {
+            assert!(!solved(regressor, 2.0), "{regressor}");
+        }
+        for observation in [f64::NAN, f64::NEG_INFINITY, 1e300] {
+            assert!(!solved(1.0, observation), "{observation}");
+        }
     }
 }

@@ -183,3 +183,28 @@ fn intervals_of_95_percent_cover_the_truth() {
     assert!((0.93..=0.97).contains(&white));
     assert!(walk >= 0.90);
 }
+
+/// Logs that drift so slowly that each of them is one soak: there are no parts of which one could
+/// be left out.
+#[test]
+fn logs_of_one_soak_each_are_chosen_for_like_others() {
+    let mut noise = Random::new(1);
+    let mut drift = |first_c: f64| {
+        let mut log = simulate(World::Paper, Programme::MidRamp, 1, 1).log;
+        log.interval_s = 10.0;
+        log.time_s = (0..1200).map(|row| 10.0 * f64::from(row)).collect();
+        let temps_c = log.time_s.iter().map(|time_s| first_c + 0.001 * time_s);
+        let temps_c: Vec<f64> = temps_c.collect();
+        let channel = &mut log.channels[0];
+        for axis in &mut channel.axes {
+            let raw = temps_c.iter().map(|t| 1e-3 * t * t + 0.01 * noise.normal());
+            axis.raw = raw.collect();
+        }
+        channel.temp_c = temps_c.iter().map(|&temp_c| temp_c as f32).collect();
+        log
+    };
+    let logs = [10.0, 14.0, 18.0, 22.0, 26.0].map(&mut drift);
+    let set = fit(&logs, &options(Model::Spline)).unwrap().set;
+    let selection = set.channels[0].selection.as_ref().unwrap();
+    assert_eq!((selection.legs, selection.folds), (5, 16));
+}

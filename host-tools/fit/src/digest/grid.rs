@@ -14,7 +14,7 @@ pub(crate) const MOST_BLOCKS: usize = 1 << 14;
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Block {
     /// Position on the grid.
-    number: u32,
+    number: u64,
     /// Time of the first and the last row, kept or not \[s\].
     pub(crate) from_s: f64,
     pub(crate) to_s: f64,
@@ -26,7 +26,7 @@ pub(crate) struct Block {
 /// The mean temperature of a tenth of a block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Sample {
-    number: u32,
+    number: u64,
     /// Mean time of its rows \[s\].
     pub(crate) time_s: f64,
     /// Mean temperature of the rows that the core believed, of all rows if it believed none
@@ -67,8 +67,8 @@ impl Grid {
     pub(crate) fn take(&mut self, rows: &Rows) {
         let mut start = 0;
         while start < rows.len() {
-            let number = ((rows.time_s[start] - self.origin_s) / self.spacing_s) as u32;
-            let end_s = self.origin_s + f64::from(number + 1) * self.spacing_s;
+            let number = ((rows.time_s[start] - self.origin_s) / self.spacing_s) as u64;
+            let end_s = self.origin_s + (number as f64 + 1.0) * self.spacing_s;
             // One row always, whatever rounding made of its place.
             let others = &rows.time_s[start + 1..];
             let end = start + 1 + others.partition_point(|&time_s| time_s < end_s);
@@ -77,13 +77,13 @@ impl Grid {
         }
     }
 
-    fn add(&mut self, number: u32, rows: &Rows, range: Range<usize>) {
+    fn add(&mut self, number: u64, rows: &Rows, range: Range<usize>) {
         let sample = Sample::of(number, rows, range.clone());
         match self.samples.last_mut() {
             Some(last) if last.number == number => *last = last.merged(&sample),
             _ => self.samples.push(sample),
         }
-        let number = number / SAMPLES_PER_BLOCK;
+        let number = number / u64::from(SAMPLES_PER_BLOCK);
         let is_new = self.blocks.last().is_none_or(|last| last.number != number);
         if is_new {
             self.blocks.push(Block {
@@ -132,7 +132,8 @@ impl Grid {
     pub(crate) fn finish(mut self) -> (Vec<Block>, Vec<Sample>, f64) {
         let mut at = 0;
         for block in &mut self.blocks {
-            let of_block = |sample: &Sample| sample.number / SAMPLES_PER_BLOCK == block.number;
+            let of_block =
+                |sample: &Sample| sample.number / u64::from(SAMPLES_PER_BLOCK) == block.number;
             let count = self.samples[at..]
                 .iter()
                 .take_while(|s| of_block(s))
@@ -146,7 +147,7 @@ impl Grid {
 }
 
 impl Sample {
-    fn of(number: u32, rows: &Rows, range: Range<usize>) -> Self {
+    fn of(number: u64, rows: &Rows, range: Range<usize>) -> Self {
         let believed = rows.believed[range.clone()].iter().filter(|&&b| b).count();
         let (mut temp_c, mut time_s) = (0.0, 0.0);
         for row in range.clone() {

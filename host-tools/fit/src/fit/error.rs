@@ -4,6 +4,7 @@ use tempco::TableError;
 use thiserror::Error;
 
 use crate::apply::ApplyError;
+use crate::metrics::TAU_RANGE_S;
 use crate::segment::{Segment, SegmentError};
 
 /// A fit was refused.
@@ -34,12 +35,53 @@ pub enum FitError {
         /// Time constant \[s\].
         tau_s: f32,
     },
+    /// The averaging time of the statistics cannot be used.
+    #[error(
+        "averaging time {tau_s} s: expected {} to {} s", TAU_RANGE_S.start(), TAU_RANGE_S.end()
+    )]
+    AveragingTime {
+        /// Averaging time \[s\].
+        tau_s: f64,
+    },
+    /// A log of which every row is left out.
+    #[error(
+        "{file}: no row is left to fit: of {rows}, {excluded_rows} lie in excluded stretches, \
+         {unusable_rows} have a temperature or interval that was not believed, {outlying_rows} are \
+         spikes or disturbed: expected rows to fit in every log"
+    )]
+    NoRows {
+        /// The log.
+        file: String,
+        /// Its rows.
+        rows: usize,
+        /// Rows in excluded stretches.
+        excluded_rows: usize,
+        /// Rows whose temperature or interval was not believed.
+        unusable_rows: usize,
+        /// All others.
+        outlying_rows: usize,
+    },
+    /// No part of the logs can be left out, to be judged by a fit to the rest.
+    #[error(
+        "{files}: all rows lie within {block_s:.0} s, which cannot be divided to choose a model: \
+         expected time in seconds, and a longer log"
+    )]
+    Short {
+        /// The logs.
+        files: String,
+        /// Time within which rows are not divided \[s\].
+        block_s: f64,
+    },
     /// The temperature hardly moved.
     #[error(
-        "the temperature spans {span_c:.1} degC only: expected 10 degC or more, or the bias of \
-         other temperatures would be invented"
+        "{files}: the temperature `{temperature}` spans {span_c:.1} degC only: expected 10 degC or \
+         more, or the bias of other temperatures would be invented"
     )]
     Span {
+        /// The logs.
+        files: String,
+        /// Name of the temperature.
+        temperature: String,
         /// Span of the usable rows \[degC\].
         span_c: f32,
     },

@@ -17,6 +17,7 @@ use crate::joint::{
     Spline,
 };
 use crate::log::Log;
+use crate::metrics::TAU_RANGE_S;
 use crate::parallel;
 use crate::regress::{ChannelData, with_every_rate};
 use crate::screen::{Screening, Stretch, screen};
@@ -112,8 +113,11 @@ impl FitOptions {
     /// and no longer than these.
     ///
     /// # Errors
-    /// Settings that the core refuses.
+    /// An averaging time outside [`TAU_RANGE_S`], settings that the core refuses.
     pub fn plan(&self) -> Result<Plan, FitError> {
+        if !TAU_RANGE_S.contains(&self.tau_s) {
+            return Err(FitError::AveragingTime { tau_s: self.tau_s });
+        }
         let parts = (self.tau_s / BLOCK_S).round().max(1.0);
         Ok(Plan {
             // While fitting, every rate counts.
@@ -140,7 +144,8 @@ impl FitOptions {
 /// what the core computed.
 ///
 /// # Errors
-/// Logs that do not belong together, too little temperature span, segments without data.
+/// Logs that do not belong together, a log without a usable row, too little temperature span,
+/// segments without data.
 pub fn fit(logs: &[Log], options: &FitOptions) -> Result<Fit, FitError> {
     let plan = options.plan()?;
     fit_digests(&parallel::map(logs, |log| digest_log(log, &plan)), options)
@@ -202,12 +207,18 @@ fn fit_channel(
     options: &FitOptions,
     remarks: &mut Vec<String>,
 ) -> Result<ChannelSet, FitError> {
+    check_rows(data)?;
     let screening = screen(data, &options.thermal, options.robust).map_err(FitError::Settings)?;
+    check_rows(data)?;
     remark_on_screening(data, &screening, remarks);
     let (t_min_c, t_max_c) = data.range(|block| block.effective_range_c);
     let span_c = t_max_c - t_min_c;
-    if span_c.is_nan() || span_c < LEAST_SPAN_C {
-        return Err(FitError::Span { span_c });
+    if span_c < LEAST_SPAN_C {
+        return Err(FitError::Span {
+            files: data.files(),
+            temperature: data.temperature().to_owned(),
+            span_c,
+        });
     }
     let segmentation = match &options.segments {
         Some(segmentation) => segmentation.clone(),
@@ -236,7 +247,11 @@ fn fit_channel(
             (choice, None, Chosen::Model(options.model))
         }
         Model::Spline | Model::Auto => {
-            let (choice, selection, held_out) = question.answer().map_err(FitError::Settings)?;
+            let answer = question.answer().map_err(FitError::Settings)?;
+            let (choice, selection, held_out) = answer.ok_or_else(|| FitError::Short {
+                files: data.files(),
+                block_s: data.of(0).block_s,
+            })?;
             (choice, Some(selection), Chosen::HeldOut(held_out))
         }
     };
@@ -432,4 +447,21 @@ fn check_interval(log: &LogDigest, thermal: &ThermalSettings) -> Result<(), FitE
         });
     }
     Ok(())
+}
+
+/// Every log needs rows to fit, or its constant bias could be anything.
+fn check_rows(data: &ChannelData) -> Result<(), FitError> {
+    let mut logs = data.logs.iter().zip(&data.keep);
+    let Some((log, _)) = logs.find(|(_, keep)| !keep.contains(&true)) else {
+        return Ok(());
+    };
+    let channel = &log.channels[data.channel];
+    let (excluded_rows, unusable_rows) = (channel.excluded_rows, channel.unusable_rows);
+    Err(FitError::NoRows {
+        file: log.file.clone(),
+        rows: log.rows,
+        excluded_rows,
+        unusable_rows,
+        outlying_rows: log.rows - excluded_rows - unusable_rows,
+    })
 }

@@ -12,7 +12,7 @@ use crate::joint::states::sample_states;
 use crate::regress::{ChannelData, with_every_rate};
 use crate::segment::{Overlap, Segment, Segmentation};
 use crate::set::{CoefficientSigmas, GainSet, NoiseSet, SegmentSet};
-use crate::solve::{LEAST_SPAN, Place, SegmentRows, TERMS};
+use crate::solve::{LEAST_SPAN, Place, SegmentRows, TERMS, Unfit};
 
 /// Fits a spline model with the settings' thermal path at its lag; an axis without its rate terms
 /// or earned states keeps the rest.
@@ -54,17 +54,30 @@ pub(crate) fn fit(
     let range_c = (f64::from(calibrated_c.0), f64::from(calibrated_c.1));
     let mut sorted_c = blocks.temp_c.clone();
     sorted_c.sort_by(f64::total_cmp);
-    let basis = layout
-        .basis(range_c, &sorted_c, rate, data.logs.len())
-        .expect("the layout was tried on the same blocks");
+    let unsolved = || FitError::Joint {
+        segments: layout.segments(),
+    };
+    // The layout was tried on the means of blocks, which reach less far than their samples.
+    let basis = layout.basis(range_c, &sorted_c, rate, data.logs.len());
+    let basis = basis.ok_or_else(unsolved)?;
+    let pairs = basis.breakpoints_c().windows(2);
+    let pieces: Vec<Segment> = pairs
+        .map(|pair| Segment {
+            t_min_c: pair[0],
+            t_max_c: pair[1],
+        })
+        .collect();
+    let timed = samples().map(|(log, kept)| Timed {
+        point: kept.point,
+        rows: kept.rows as u64,
+        time_s: kept.rows * data.logs[log].interval_s,
+    });
+    let covered = coverage(timed, &pieces, calibrated_c)?;
     let terms = shape.terms();
     let basis = basis.with_states(terms.len());
     let states = sample_states(&points, &terms);
 
     let rows = Rows::new(&points, &blocks, &basis, &states);
-    let unsolved = || FitError::Joint {
-        segments: basis.segments(),
-    };
     let (solutions, condition) = solve_axes(&rows, &blocks, &basis, axes).ok_or_else(unsolved)?;
     let maps = basis.polynomial_maps();
     let mut polynomials = Vec::new();
@@ -100,24 +113,12 @@ pub(crate) fn fit(
         polynomials.push(basis.polynomials(&coefficients));
     }
 
-    let pairs = basis.breakpoints_c().windows(2);
-    let pieces: Vec<Segment> = pairs
-        .map(|pair| Segment {
-            t_min_c: pair[0],
-            t_max_c: pair[1],
-        })
-        .collect();
     let names = if rate == RateForm::None {
         &TERMS[..3]
     } else {
         &TERMS[..]
     };
-    let timed = samples().map(|(log, kept)| Timed {
-        point: kept.point,
-        rows: kept.rows as u64,
-        time_s: kept.rows * data.logs[log].interval_s,
-    });
-    let segments = coverage(timed, &pieces, calibrated_c)?
+    let segments = covered
         .into_iter()
         .map(|segment| SegmentSet {
             terms: names.iter().map(|&t| t.to_owned()).collect(),
@@ -173,14 +174,17 @@ fn coverage(
     }
     let segments = pieces.iter().zip(rows).map(|(piece, mut rows)| {
         let coverage = rows.coverage();
-        if rows.rows() == 0 || coverage.width < LEAST_SPAN {
+        let unfit = if rows.rows() == 0 {
+            Some(Unfit::Rows(0))
+        } else if coverage.width < LEAST_SPAN {
+            Some(Unfit::Span(100.0 * coverage.width))
+        } else {
+            None
+        };
+        if let Some(unfit) = unfit {
             return Err(FitError::Segment {
                 segment: *piece,
-                reason: format!(
-                    "holds {} usable rows over {:.0} % of its width",
-                    rows.rows(),
-                    100.0 * coverage.width
-                ),
+                reason: unfit.to_string(),
                 t_min_c,
                 t_max_c,
             });

@@ -16,7 +16,8 @@ const MOST_FOLDS: usize = 16;
 const SAME_RATE: f64 = 1.3;
 
 /// With fewer legs than this, time is cut into [`MOST_FOLDS`] equal parts instead, and nothing that
-/// depends on the rate can be judged: no temperature was passed twice at two rates.
+/// depends on the rate can be judged: no temperature was passed twice at two rates. Logs of one leg
+/// each are cut as well, however many.
 pub(crate) const LEAST_FOLDS: usize = 4;
 
 /// For each block the fold in which it is left out, and the number of folds.
@@ -45,9 +46,7 @@ impl Folds {
     }
 
     pub(crate) fn new(blocks: &Blocks, rates: &[f64]) -> Self {
-        let mut legs = Vec::with_capacity(rates.len());
-        let mut total = 0;
-        let mut most = 0;
+        let mut of_logs = Vec::new();
         let mut speeds = Vec::new();
         for log in 0..blocks.logs() {
             let of_log: Vec<usize> = (0..rates.len())
@@ -58,11 +57,19 @@ impl Folds {
             };
             let times: Vec<f64> = of_log.iter().map(|&i| blocks.blocks[i].time_s).collect();
             let rates = &rates[first..first + of_log.len()];
-            let mut found = legs_of(&times, rates);
+            let found = legs_of(&times, rates);
             speeds.extend(ramp_speeds(&found, rates));
-            let mut count = found.last().map_or(0, |last| last + 1);
-            total += count;
-            if count < LEAST_FOLDS && blocks.logs() < LEAST_FOLDS {
+            of_logs.push(found);
+        }
+        let count_of = |legs: &Vec<usize>| legs.last().map_or(0, |last| last + 1);
+        let total = of_logs.iter().map(count_of).sum();
+        // All of them would be left out at once.
+        let one_each = of_logs.iter().all(|legs| count_of(legs) == 1);
+        let mut legs = Vec::with_capacity(rates.len());
+        let mut most = 0;
+        for mut found in of_logs {
+            let mut count = count_of(&found);
+            if one_each || count < LEAST_FOLDS && blocks.logs() < LEAST_FOLDS {
                 let n = found.len();
                 found = (0..n).map(|i| i * MOST_FOLDS / n).collect();
                 count = MOST_FOLDS;

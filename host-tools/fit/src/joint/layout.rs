@@ -66,6 +66,13 @@ impl Layout {
         }
     }
 
+    pub(crate) fn segments(&self) -> usize {
+        match self {
+            Self::Rule { segments, .. } => *segments,
+            Self::Given(breakpoints) => breakpoints.len() - 1,
+        }
+    }
+
     /// Breakpoints over a range, for temperatures `sorted_c` of equal weight; `None` where two
     /// would coincide.
     pub(crate) fn breakpoints_c(

@@ -81,8 +81,9 @@ pub(super) struct Tried {
 }
 
 impl Question<'_> {
-    /// Tries all candidates and takes the simplest within one standard error of the best.
-    pub(crate) fn answer(&self) -> Result<(Choice, Selection, HeldOut), TableError> {
+    /// Tries all candidates and takes the simplest within one standard error of the best. None where
+    /// no model can be fitted without a part of the data.
+    pub(crate) fn answer(&self) -> Result<Option<(Choice, Selection, HeldOut)>, TableError> {
         let base = self.base()?;
         let folds = Folds::new(self.blocks, base.rates());
         let mut tried = Vec::new();
@@ -93,8 +94,10 @@ impl Question<'_> {
         let best = tried
             .iter()
             .min_by(|a, b| a.held_out.score().total_cmp(&b.held_out.score()))
-            .map(|best| best.held_out.clone())
-            .expect("a spline of one segment can always be tried");
+            .map(|best| best.held_out.clone());
+        let Some(best) = best else {
+            return Ok(None);
+        };
         compare(&mut tried, &best);
         let chosen = tried
             .iter()
@@ -117,7 +120,7 @@ impl Question<'_> {
             chosen: chosen.candidate,
             others: tried.into_iter().map(|of| of.candidate).collect(),
         };
-        Ok((chosen.choice, selection, chosen.held_out))
+        Ok(Some((chosen.choice, selection, chosen.held_out)))
     }
 
     fn base(&self) -> Result<Regressors<'_>, TableError> {

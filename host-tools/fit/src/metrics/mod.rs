@@ -17,6 +17,8 @@ pub use stability::{Sigmas, Stability};
 
 pub(crate) use means::Means;
 
+use std::ops::RangeInclusive;
+
 use serde::Serialize;
 use thiserror::Error;
 
@@ -29,6 +31,9 @@ use crate::unit::AxisUnit;
 use correlation::pearson;
 use hysteresis::Bins;
 use reference::Reference;
+
+/// Averaging times that can be asked for \[s\]: from the shortest time between rows to decades.
+pub const TAU_RANGE_S: RangeInclusive<f64> = 1e-4..=1e9;
 
 /// Averaging times at which the bias stability is always stated \[s\], beside the one asked for.
 const TAUS_S: [f64; 2] = [10.0, 100.0];
@@ -170,14 +175,17 @@ impl AxisEvaluation {
 /// by temperature alone would do.
 ///
 /// # Errors
-/// A log without an axis or temperature of a set, rows further apart than `tau_s`, fewer than two
-/// full stretches of `tau_s`.
+/// `tau_s` outside [`TAU_RANGE_S`], a log without an axis or temperature of a set, rows further
+/// apart than `tau_s`, fewer than two full stretches of `tau_s`.
 pub fn evaluate(
     set: &CoefficientSet,
     log: &Log,
     against: Option<&CoefficientSet>,
     tau_s: f64,
 ) -> Result<Evaluation, EvaluateError> {
+    if !TAU_RANGE_S.contains(&tau_s) {
+        return Err(EvaluateError::AveragingTime { tau_s });
+    }
     if log.interval_s > tau_s * (1.0 + 1e-9) {
         return Err(EvaluateError::Interval {
             interval_s: log.interval_s,
@@ -382,6 +390,14 @@ pub enum EvaluateError {
     /// The log does not have what the set compensates.
     #[error(transparent)]
     Apply(#[from] ApplyError),
+    /// The averaging time cannot be used.
+    #[error(
+        "averaging time {tau_s} s: expected {} to {} s", TAU_RANGE_S.start(), TAU_RANGE_S.end()
+    )]
+    AveragingTime {
+        /// Averaging time \[s\].
+        tau_s: f64,
+    },
     /// The rows are too far apart.
     #[error("rows are {interval_s} s apart: expected a --tau of that or more, not {tau_s} s")]
     Interval {
