@@ -8,9 +8,13 @@ pub mod ln100;
 #[cfg(unix)]
 pub mod rig;
 
+use std::fs::File;
+use std::io::{Read, Seek};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
 use std::sync::OnceLock;
+use std::thread;
+use std::time::{Duration, Instant};
 
 use tempco_qemu::Workspace;
 
@@ -125,16 +129,58 @@ impl Bench {
     /// # Panics
     /// If it cannot be started or is killed.
     pub fn run(&self, args: &str) -> Ran {
-        let output: Output = Command::new(tempco_path())
-            .current_dir(self.folder.path())
-            .args(args.split_whitespace())
-            .output()
-            .expect("the `tempco` command");
+        let output: Output = self.command(args).output().expect("the `tempco` command");
         Ran {
             code: output.status.code().expect("an exit code"),
             out: String::from_utf8_lossy(&output.stdout).into_owned(),
             err: String::from_utf8_lossy(&output.stderr).into_owned(),
         }
+    }
+
+    /// Runs `tempco` as [`run`](Self::run) does where it might never end.
+    ///
+    /// # Panics
+    /// If it cannot be started, or does not end by itself in two minutes.
+    pub fn run_to_its_end(&self, args: &str) -> Ran {
+        let files = || tempfile::tempfile().expect("a file for the output");
+        let (mut out, mut err) = (files(), files());
+        let of = |file: &File| Stdio::from(file.try_clone().expect("the same file"));
+        let mut command = self.command(args);
+        command
+            .stdin(Stdio::null())
+            .stdout(of(&out))
+            .stderr(of(&err));
+        let mut child = command.spawn().expect("the `tempco` command");
+        let started = Instant::now();
+        let status = loop {
+            if let Some(status) = child.try_wait().expect("a child") {
+                break status;
+            }
+            if started.elapsed() > Duration::from_secs(120) {
+                child.kill().expect("a child that runs");
+                panic!("tempco {args}: does not end");
+            }
+            thread::sleep(Duration::from_millis(2));
+        };
+        let text = |file: &mut File| {
+            let mut text = String::new();
+            file.rewind().expect("the output");
+            file.read_to_string(&mut text).expect("the output");
+            text
+        };
+        Ran {
+            code: status.code().expect("an exit code"),
+            out: text(&mut out),
+            err: text(&mut err),
+        }
+    }
+
+    fn command(&self, args: &str) -> Command {
+        let mut command = Command::new(tempco_path());
+        command
+            .current_dir(self.folder.path())
+            .args(args.split_whitespace());
+        command
     }
 
     /// Runs `tempco` and expects exit code 0; returns the output.

@@ -118,21 +118,22 @@ fn bad_files_and_headers_are_named() {
 
 #[test]
 fn what_cannot_be_fitted_is_refused() {
-    let rows = |temp: fn(f64) -> f64| {
+    let rows = |first_s: u32, temp: fn(f64) -> f64| {
         let mut log = format!("{HEADER}\n");
         for i in 0..600 {
-            log.push_str(&format!("{i},{:.3},0.1\n", temp(f64::from(i))));
+            log.push_str(&format!("{},{:.3},0.1\n", first_s + i, temp(f64::from(i))));
         }
         log
     };
-    let message = refused(&rows(|i| 25.0 + 4.9 * (i * 0.01).sin()));
+    let message = refused(&rows(0, |i| 25.0 + 4.9 * (i * 0.01).sin()));
     assert!(
-        message.contains("spans 9.8 degC only: expected 10 degC or more"),
+        message.contains("log.csv: the temperature `temp_c` spans 9.8 degC only: expected 10 degC"),
         "{message}"
     );
 
     let bench = Bench::new();
-    bench.write("log.csv", &rows(|i| 25.0 + 15.0 * (i * 0.01).sin()));
+    let swing = |i: f64| 25.0 + 15.0 * (i * 0.01).sin();
+    bench.write("log.csv", &rows(0, swing));
     for (args, expected) in [
         ("--segments 10:30,50:80", "leave a gap"),
         (
@@ -140,16 +141,46 @@ fn what_cannot_be_fitted_is_refused() {
             "segment 55.0000..80.0000 degC holds 0 usable rows",
         ),
         ("--rate-tau 1.5", "half the rate estimator's time constant"),
+        (
+            "--model spline --segments 10:30,25:60,55:80",
+            "segment 57.5000..80.0000 degC holds 0 usable rows, too few to fit",
+        ),
+        (
+            "--model auto --segments 10:45,40:80",
+            "segment 42.5000..80.0000 degC holds 0 usable rows, too few to fit",
+        ),
         ("--kappa 3", "setting kappa"),
+        ("--tau nan", "expected seconds, 0.0001 to 1e9"),
+        ("--tau inf", "expected seconds, 0.0001 to 1e9"),
+        ("--tau 1e300", "expected seconds, 0.0001 to 1e9"),
+        ("--tau 1e-300", "expected seconds, 0.0001 to 1e9"),
+        (
+            "--exclude 0:1e9",
+            "log.csv: no row is left to fit: of 600, 600 lie in excluded stretches",
+        ),
+        (
+            "--exclude -inf:inf --model spline",
+            "log.csv: no row is left to fit: of 600, 600 lie in excluded stretches",
+        ),
         ("--axis x=x_dph:rpm", "unknown unit `rpm`"),
         ("--scale-factor -1", "expected arcsec per pulse"),
+        (
+            "--scale-factor 1e300",
+            "expected arcsec per pulse, 1e-9 to 1e9",
+        ),
         ("--model cubic", "invalid value 'cubic'"),
     ] {
-        let ran = bench.run(&format!("fit log.csv --serial S1 --out set {args}"));
+        let ran = bench.run_to_its_end(&format!("fit log.csv --serial S1 --out set {args}"));
         assert_eq!(ran.code, 2, "{args}");
         assert!(ran.err.contains(expected), "{args}: {}", ran.err);
         assert_eq!(bench.files(), ["log.csv"], "{args}");
     }
+    // Of two logs, the one is named of which nothing is left.
+    bench.write("late.csv", &rows(1000, swing));
+    let ran = bench.run("fit late.csv log.csv --serial S1 --out set --exclude 0:999");
+    assert_eq!(ran.code, 2, "{}", ran.err);
+    let expected = "error: log.csv: no row is left to fit";
+    assert!(ran.err.starts_with(expected), "{}", ran.err);
 }
 
 #[test]

@@ -14,7 +14,7 @@ use crate::Verdict;
 use crate::image::is_image;
 use crate::output::{print, write_file};
 use crate::report::{Found, ensure_rereadable, gather, write_figures};
-use crate::shared_args::{SetAndLog, load_set_for};
+use crate::shared_args::{SetAndLog, averaging_time, load_set_for};
 
 /// Judge a coefficient set on a log
 ///
@@ -31,6 +31,7 @@ pub(crate) struct Args {
         long,
         value_name = "S",
         default_value_t = 100.0,
+        value_parser = averaging_time,
         allow_negative_numbers = true
     )]
     tau: f64,
@@ -53,11 +54,6 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(args: &Args) -> Result<Verdict> {
-    ensure!(
-        args.tau.is_finite() && args.tau > 0.0,
-        "--tau {}: expected seconds, above 0",
-        args.tau
-    );
     if args.report.is_some() || args.figures.is_some() {
         ensure!(
             !is_image(&args.put.set),

@@ -18,7 +18,7 @@ use crate::batch;
 use crate::output::{figure, percent, print, table};
 use crate::report::{ensure_rereadable, fitted_logs, gather, write_figures};
 use crate::set_tables::{show_choice, show_states};
-use crate::shared_args::LogArgs;
+use crate::shared_args::{LogArgs, averaging_time};
 
 /// Name of the report beside the set.
 const REPORT: &str = "report.html";
@@ -81,6 +81,7 @@ pub(crate) struct Args {
         long,
         value_name = "S",
         default_value_t = 100.0,
+        value_parser = averaging_time,
         allow_negative_numbers = true
     )]
     tau: f64,

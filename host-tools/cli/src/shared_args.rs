@@ -1,5 +1,6 @@
 //! Arguments that several commands share: a set and a log, and how to read a log.
 
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Error, Result, ensure};
@@ -8,6 +9,7 @@ use tempco_fit::load_set;
 use tempco_fit::log::{
     AxisColumn, Log, Mapping, ReadOptions, TempColumn, list_names, read_log_observed,
 };
+use tempco_fit::metrics::TAU_RANGE_S;
 use tempco_fit::parallel;
 use tempco_fit::set::{CoefficientSet, set_of_image};
 use tempco_fit::unit::COLUMN_UNITS;
@@ -60,6 +62,22 @@ fn set_for(path: &Path, image: &Placed, log: &Log) -> Result<CoefficientSet> {
     set.map_err(|reason| Error::msg(format!("{}: {reason}", path.display())))
 }
 
+/// An averaging time on the command line.
+pub(crate) fn averaging_time(text: &str) -> Result<f64, String> {
+    let tau_s = text
+        .parse()
+        .ok()
+        .filter(|tau_s| TAU_RANGE_S.contains(tau_s));
+    tau_s.ok_or_else(|| {
+        let (least, most) = (TAU_RANGE_S.start(), TAU_RANGE_S.end());
+        format!("expected seconds, {least} to {most:e}")
+    })
+}
+
+/// Angles per pulse that a gyro may have \[arcsec\]: more cannot be meant, and f32 must hold the
+/// rates.
+const SCALE_FACTORS_ARCSEC: RangeInclusive<f64> = 1e-9..=1e9;
+
 /// How to read a log whose columns are not named `time_s`, `temp_c` and `NAME_UNIT`.
 #[derive(clap::Args)]
 #[command(next_help_heading = "Reading logs")]
@@ -111,9 +129,10 @@ impl LogArgs {
     /// How to read; without a scale factor of its own, with that of the set.
     pub(crate) fn options(&self, set_scale_factor: Option<f64>) -> Result<ReadOptions> {
         if let Some(scale_factor) = self.scale_factor {
+            let (least, most) = (SCALE_FACTORS_ARCSEC.start(), SCALE_FACTORS_ARCSEC.end());
             ensure!(
-                scale_factor.is_finite() && scale_factor > 0.0,
-                "--scale-factor {scale_factor}: expected arcsec per pulse, above 0"
+                SCALE_FACTORS_ARCSEC.contains(&scale_factor),
+                "--scale-factor {scale_factor}: expected arcsec per pulse, {least:e} to {most:e}"
             );
         }
         Ok(ReadOptions {
