@@ -1,15 +1,21 @@
 //! `tempco fit --batch`: a set for every unit, a summary, and no stop at a bad one.
 
 use std::fs;
+use std::process::Command;
 
 use tempco_tests::Bench;
 
 /// A log between 10 and 40 degC; `noise` scales what the temperature does not explain.
 fn log(noise: f64) -> String {
+    log_over(15.0, noise)
+}
+
+/// A log from 10 degC up, by two times `swing_c`.
+fn log_over(swing_c: f64, noise: f64) -> String {
     let mut log = String::from("time_s,temp_c,x_dph,y_dph\n");
     for row in 0..6000 {
         let t = f64::from(row);
-        let temp_c = 25.0 + 15.0 * (t * 0.003).sin();
+        let temp_c = 10.0 + swing_c + swing_c * (t * 0.003).sin();
         let noise = noise * (t * 0.0123).sin();
         let (x, y) = (0.01 * temp_c + noise, 2.0 - 0.02 * temp_c + noise);
         log.push_str(&format!("{row},{temp_c:.4},{x:.6},{y:.6}\n"));
@@ -95,6 +101,67 @@ fn a_bad_unit_does_not_stop_the_others() {
     bench.ok("fit --batch logs --out logs/sets --segments 10:40");
 }
 
+/// What is wrong with one unit is said of it, and the others are fitted.
+#[test]
+fn what_cannot_be_a_unit_does_not_stop_the_others() {
+    let bench = Bench::new();
+    for name in [
+        "GOOD.csv",
+        "summary.csv/run.csv",
+        "SUMMARY.html/run.csv",
+        "Twin/run.csv",
+        "TWIN.csv",
+        "_run.csv",
+    ] {
+        bench.write(&format!("logs/{name}"), &log(0.01));
+    }
+    bench.write("logs/COLD.csv", &log_over(7.0, 0.01));
+    let first_rows: String = log(0.01).split_inclusive('\n').take(150).collect();
+    bench.write("logs/SHORT.csv", &first_rows);
+    let mut piped = Vec::new();
+    if cfg!(unix) {
+        let pipe = bench.path("logs/PIPE.csv");
+        assert!(Command::new("mkfifo").arg(pipe).status().unwrap().success());
+        piped.push(("PIPE", "logs/PIPE.csv: expected a regular file"));
+    }
+    let ran = bench.run_to_its_end(
+        "fit --batch logs --out sets --model spline --segments 10:30,25:40 --exclude 0:200 \
+         --no-report",
+    );
+    assert_eq!(ran.code, 1, "{}{}", ran.out, ran.err);
+    let summary = fs::read_to_string(bench.path("sets/summary.csv")).unwrap();
+    for (serial, expected) in [
+        (
+            "summary.csv",
+            "another name than that of the batch's summary",
+        ),
+        (
+            "SUMMARY.html",
+            "another name than that of the batch's summary",
+        ),
+        ("Twin", "`Twin` and `TWIN` differ by case only"),
+        ("TWIN", "`TWIN` and `Twin` differ by case only"),
+        ("", "expected a name that a folder can have"),
+        ("COLD", "segment 27.5000..40.0000 degC holds 0 usable rows"),
+        ("SHORT", "SHORT.csv: no row is left to fit"),
+    ]
+    .into_iter()
+    .chain(piped)
+    {
+        let row = summary
+            .lines()
+            .find(|row| row.starts_with(&format!("{serial},failed,")));
+        let row = row.unwrap_or_else(|| panic!("{serial}: {summary}"));
+        assert!(row.contains(expected), "{row}");
+    }
+    let mut written: Vec<_> = fs::read_dir(bench.path("sets"))
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name())
+        .collect();
+    written.sort();
+    assert_eq!(written, ["GOOD", "summary.csv", "summary.html"]);
+}
+
 #[test]
 fn bad_usage_of_a_batch_is_refused() {
     let bench = Bench::new();
@@ -108,6 +175,8 @@ fn bad_usage_of_a_batch_is_refused() {
         ("--batch logs --serial S1", "cannot be used with"),
         ("log.csv", "--serial <SERIAL>"),
         ("--serial S1", "<LOG.csv>..."),
+        ("--batch logs --tau nan", "expected seconds"),
+        ("--batch logs --max-slew nan", "setting max_slew_c_per_min"),
     ] {
         let ran = bench.run(&format!("fit {args} --out sets"));
         assert_eq!(ran.code, 2, "{args}");

@@ -1,13 +1,17 @@
 //! `tempco fit --batch`: a set for every unit of a folder, and a summary of all.
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
-use anyhow::{Context, Result, ensure};
-use tempco_fit::batch::{Outcome, Summary, UnitFigures, UnitLogs, find_units};
-use tempco_fit::digest::digest_file;
+use anyhow::{Context, Result, anyhow, bail, ensure};
+use tempco_fit::batch::{
+    Outcome, SUMMARY_FILES, Summary, UnitFigures, UnitLogs, check_serial, find_units,
+};
+use tempco_fit::digest::{Plan, digest_file};
 use tempco_fit::fit::{FitOptions, fit_digests};
 use tempco_fit::log::ReadOptions;
 use tempco_fit::parallel;
+use tempco_fit::rerun::is_rereadable;
 use tempco_fit::set::write_files;
 use tempco_report::Judgement;
 
@@ -24,33 +28,51 @@ pub(crate) fn run(
     options: &FitOptions,
     with_report: bool,
 ) -> Result<Verdict> {
+    // Options that no unit can be fitted with.
+    let plan = options.plan()?;
     let units = find_units(folder, out)?;
     let progress = Progress::over(units.iter().flat_map(|unit| &unit.logs));
     let outcomes = parallel::map(&units, |unit| Outcome {
         serial: unit.serial.clone(),
         logs: unit.logs.len(),
-        result: fit_unit(unit, out, (reading, options), with_report, &progress)
-            .map_err(|error| format!("{error:#}")),
+        result: caught(|| {
+            check_serial(&unit.serial, &units)?;
+            fit_unit(unit, out, (reading, &plan, options), with_report, &progress)
+        })
+        .map_err(|error| format!("{error:#}")),
     });
     drop(progress);
     let summary = Summary::new(outcomes);
     let (csv, html) = (summary.csv(), summary.html());
-    let files = [("summary.csv", &csv[..]), ("summary.html", html.as_bytes())];
+    let [csv_name, html_name] = SUMMARY_FILES;
+    let files = [(csv_name, &csv[..]), (html_name, html.as_bytes())];
     write_files(out, &files).context("the summary was not written")?;
     show(&summary)?;
     print(format_args!(
         "wrote the sets and {} and {}",
-        out.join("summary.csv").display(),
-        out.join("summary.html").display()
+        out.join(csv_name).display(),
+        out.join(html_name).display()
     ))?;
     Ok(Verdict::of(summary.is_acceptable()))
+}
+
+/// A fault of this program in the work on one unit must not cost the others theirs.
+fn caught<T>(work: impl FnOnce() -> Result<T>) -> Result<T> {
+    catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|cause| {
+        let text = cause.downcast_ref::<String>().map(String::as_str);
+        let text = text.or_else(|| cause.downcast_ref::<&str>().copied());
+        Err(anyhow!(
+            "a fault of tempco, please report it: {}",
+            text.unwrap_or("without a message")
+        ))
+    })
 }
 
 /// Reads, fits and writes one unit: all its files or none.
 fn fit_unit(
     unit: &UnitLogs,
     out: &Path,
-    (reading, options): (&ReadOptions, &FitOptions),
+    (reading, plan, options): (&ReadOptions, &Plan, &FitOptions),
     with_report: bool,
     progress: &Progress,
 ) -> Result<UnitFigures> {
@@ -58,15 +80,22 @@ fn fit_unit(
         !unit.logs.is_empty(),
         "no log in its folder: expected .csv, .csv.gz, .csv.zst or .parquet"
     );
+    // A pipe that nobody writes to would be waited for without end.
+    let other = unit
+        .logs
+        .iter()
+        .find(|path| path.exists() && !is_rereadable(path));
+    if let Some(other) = other {
+        bail!("{}: expected a regular file", other.display());
+    }
     let options = FitOptions {
         serial: unit.serial.clone(),
         ..options.clone()
     };
-    let plan = options.plan()?;
     let logs = unit
         .logs
         .iter()
-        .map(|path| digest_file(path, reading, &plan, |bytes| progress.add(bytes)))
+        .map(|path| digest_file(path, reading, plan, |bytes| progress.add(bytes)))
         .collect::<Result<Vec<_>, _>>()?;
     let fit = fit_digests(&logs, &options)?;
     let report = if with_report {
@@ -128,4 +157,25 @@ fn show(summary: &Summary) -> Result<()> {
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_panic_is_an_error_of_its_unit() {
+        let whole = caught(|| Ok(7));
+        assert_eq!(whole.unwrap(), 7);
+        let text = |error: anyhow::Error| format!("{error:#}");
+        let refused = caught(|| -> Result<()> { bail!("refused") });
+        assert_eq!(text(refused.unwrap_err()), "refused");
+        for index in [3, 4] {
+            let fault = caught(|| Ok([1, 2, 3][index]));
+            let message = text(fault.unwrap_err());
+            assert!(message.contains("but the index is"), "{message}");
+        }
+        let fixed = caught(|| -> Result<()> { panic!("fixed") });
+        assert!(text(fixed.unwrap_err()).ends_with("please report it: fixed"));
+    }
 }

@@ -7,6 +7,8 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
+use super::SUMMARY_FILES;
+
 /// Endings of files that are taken for logs, in lower case.
 const LOG_ENDINGS: [&str; 4] = [".csv", ".csv.gz", ".csv.zst", ".parquet"];
 
@@ -24,24 +26,25 @@ pub struct UnitLogs {
 /// A sub-folder is a unit: its name is the serial number, the logs are the files directly in it. A
 /// log directly in `folder` belongs to the unit that its name starts with, up to the first `_` or
 /// `.`: `SN7.csv` and `SN7_run2.csv.gz` are logs of `SN7`. Logs end in `.csv`, `.csv.gz`,
-/// `.csv.zst` or `.parquet`. Names that start with a dot are passed over, and so is the folder
-/// `except`, to which sets are written.
+/// `.csv.zst` or `.parquet`. Names that start with a dot are passed over, and so are the folder
+/// `out`, to which sets are written, and the summary in it.
 ///
 /// # Errors
 /// A folder that cannot be read, or that holds no unit; names that are not UTF-8.
-pub fn find_units(folder: &Path, except: &Path) -> Result<Vec<UnitLogs>, FindError> {
-    let except = except.canonicalize().ok();
+pub fn find_units(folder: &Path, out: &Path) -> Result<Vec<UnitLogs>, FindError> {
+    let out = out.canonicalize().ok();
+    let holds_summary = out.is_some() && folder.canonicalize().ok() == out;
     let mut units: BTreeMap<String, Vec<PathBuf>> = BTreeMap::new();
     for (path, name) in entries(folder)? {
         if path.is_dir() {
-            if path.canonicalize().ok() == except {
+            if path.canonicalize().ok() == out {
                 continue;
             }
             let logs = entries(&path)?.into_iter();
             let logs = logs.filter(|(path, name)| is_log(name) && !path.is_dir());
             let unit = units.entry(name).or_default();
             unit.extend(logs.map(|(path, _)| path));
-        } else if is_log(&name) {
+        } else if is_log(&name) && !(holds_summary && SUMMARY_FILES.contains(&name.as_str())) {
             let serial = name.split(['_', '.']).next().unwrap_or_default();
             units.entry(serial.to_owned()).or_default().push(path);
         }
@@ -160,5 +163,20 @@ mod tests {
                 .contains("no units: expected a sub-folder")
         );
         assert!(find_units(&root.join("none"), root).is_err());
+    }
+
+    #[test]
+    fn the_summary_beside_the_logs_is_none() {
+        let folder = tempfile::tempdir().unwrap();
+        let root = folder.path();
+        for name in ["A1.csv", "summary.csv"] {
+            fs::write(root.join(name), "").unwrap();
+        }
+        let serials = |out: &Path| -> Vec<String> {
+            let units = find_units(root, out).unwrap();
+            units.into_iter().map(|unit| unit.serial).collect()
+        };
+        assert_eq!(serials(root), ["A1"]);
+        assert_eq!(serials(&root.join("out")), ["A1", "summary"]);
     }
 }
