@@ -6,11 +6,12 @@ use std::path::PathBuf;
 use anyhow::Result;
 use tempco::Status;
 use tempco_fit::apply::{Applied, apply, inputs};
+use tempco_fit::escape::csv_cell;
 use tempco_fit::log::Log;
 use tempco_fit::set::CoefficientSet;
 
 use crate::Verdict;
-use crate::output::{print, write_file};
+use crate::output::{print, say, write_file};
 use crate::shared_args::SetAndLog;
 use crate::status::status_text;
 
@@ -31,7 +32,7 @@ pub(crate) struct Args {
 pub(crate) fn run(args: &Args) -> Result<Verdict> {
     let (set, log) = args.put.read()?;
     if set.is_rejected() {
-        eprintln!(
+        say!(
             "{}: this set is marked as rejected: on a verification log it was no better than none",
             args.put.set.display()
         );
@@ -50,16 +51,23 @@ pub(crate) fn run(args: &Args) -> Result<Verdict> {
 fn to_csv(set: &CoefficientSet, log: &Log, applied: &Applied) -> Result<Vec<u8>> {
     let mut out = Vec::with_capacity(100 * log.rows());
     let inputs = inputs(set, log)?;
-    write!(out, "time_s")?;
-    for input in &inputs {
-        write!(out, ",{}", input.channel.temperature)?;
-    }
+    let mut header = vec!["time_s".to_owned()];
+    header.extend(
+        inputs
+            .iter()
+            .map(|input| csv_cell(&input.channel.temperature)),
+    );
     for (_, axis) in set.axes() {
         for what in ["raw", "bias", "compensated"] {
-            write!(out, ",{}_{what}_{}", axis.name, axis.unit.name())?;
+            header.push(csv_cell(&format!(
+                "{}_{what}_{}",
+                axis.name,
+                axis.unit.name()
+            )));
         }
     }
-    writeln!(out, ",status")?;
+    header.push("status".to_owned());
+    csv::Writer::from_writer(&mut out).write_record(&header)?;
     for row in 0..log.rows() {
         write!(out, "{}", log.time_s[row])?;
         for input in &inputs {

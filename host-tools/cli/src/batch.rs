@@ -8,16 +8,16 @@ use tempco_fit::batch::{
     Outcome, SUMMARY_FILES, Summary, UnitFigures, UnitLogs, check_serial, find_units,
 };
 use tempco_fit::digest::{Plan, digest_file};
+use tempco_fit::files::write_files;
 use tempco_fit::fit::{FitOptions, fit_digests};
 use tempco_fit::log::ReadOptions;
 use tempco_fit::parallel;
 use tempco_fit::rerun::is_rereadable;
-use tempco_fit::set::write_files;
 use tempco_report::Judgement;
 
 use crate::Verdict;
-use crate::fit::{report_on, write_set};
-use crate::output::{figure, percent, print, table};
+use crate::fit::{report_on, write};
+use crate::output::{figure, percent, print, print_lines, say, table};
 use crate::progress::Progress;
 
 /// Fits every unit found in `folder`; the serial number in `options` is replaced by the unit's.
@@ -105,7 +105,7 @@ fn fit_unit(
     } else {
         None
     };
-    write_set(&out.join(&unit.serial), &fit.set, report.as_ref())?;
+    write(&out.join(&unit.serial), &fit.set, report.as_ref())?;
     Ok(UnitFigures::new(&fit))
 }
 
@@ -145,13 +145,13 @@ fn show(summary: &Summary) -> Result<()> {
             ]);
         }
     }
-    print(table(&header, rows))?;
+    print_lines(table(&header, rows))?;
     for unit in summary.units() {
         match &unit.result {
-            Err(error) => eprintln!("unit {}: {error}", unit.serial),
+            Err(error) => say!("unit {}: {error}", unit.serial),
             Ok(figures) => {
                 for objection in &figures.objections {
-                    eprintln!("unit {}: {objection}", unit.serial);
+                    say!("unit {}: {objection}", unit.serial);
                 }
             }
         }

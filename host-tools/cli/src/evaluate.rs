@@ -12,7 +12,7 @@ use tempco_report::{Judgement, Report, Subject};
 
 use crate::Verdict;
 use crate::image::is_image;
-use crate::output::{print, write_file};
+use crate::output::{print_json, say, write_file};
 use crate::report::{Found, ensure_rereadable, gather, write_figures};
 use crate::shared_args::{SetAndLog, averaging_time, load_set_for};
 
@@ -78,13 +78,13 @@ pub(crate) fn run(args: &Args) -> Result<Verdict> {
     drop(log);
     write_report(args, &set, &evaluation, found)?;
     if args.json {
-        print(serde_json::to_string(&evaluation)?)?;
+        print_json(&evaluation)?;
     } else {
         show::show(&evaluation)?;
     }
     let worse = evaluation.worse_axes();
     if !worse.is_empty() {
-        eprintln!(
+        say!(
             "not acceptable: the compensation is no better than none on {}",
             worse.join(", ")
         );
@@ -135,13 +135,12 @@ fn sign_off(path: &Path, mut set: CoefficientSet, evaluation: &Evaluation) -> Re
         evaluation.log.file
     );
     set.sign_offs.push(evaluation.sign_off());
-    let json = serde_json::to_string_pretty(&set)? + "\n";
-    write_file(path, json.as_bytes()).context("the verdict was not noted")?;
+    write_file(path, set.to_json().as_bytes()).context("the verdict was not noted")?;
     let verdict = if set.is_rejected() {
         "rejected"
     } else {
         "accepted"
     };
-    eprintln!("{shown}: marked as {verdict}");
+    say!("{shown}: marked as {verdict}");
     Ok(())
 }

@@ -4,7 +4,7 @@ use anyhow::Result;
 use tempco_link::Fault;
 
 use crate::Verdict;
-use crate::output::{print, table};
+use crate::output::{print, print_lines, table};
 use crate::port_args::PortArgs;
 
 /// Show the fault log of a unit: what occurred, how often, and when last
@@ -32,6 +32,6 @@ pub(crate) fn run(args: &Args) -> Result<Verdict> {
         ]
     });
     let header = ["fault", "code", "times", "last in boot", "at [s]", "detail"];
-    print(table(&header, rows))?;
+    print_lines(table(&header, rows))?;
     Ok(Verdict::Acceptable)
 }

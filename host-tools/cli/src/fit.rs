@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Error, Result, ensure};
+use anyhow::{Context, Result, ensure};
 use clap::ValueEnum;
 use serde_json::json;
 use tempco::ThermalSettings;
@@ -10,18 +10,15 @@ use tempco_fit::Stretch;
 use tempco_fit::fit::{Fit, FitOptions, States, fit_digests};
 use tempco_fit::log::ReadOptions;
 use tempco_fit::segment::{Overlap, Segmentation};
-use tempco_fit::set::{CoefficientSet, Model, table_bin, table_h, table_rs, write_files};
+use tempco_fit::set::{CoefficientSet, Model, file_names, write_set};
 use tempco_report::{Judgement, Report, Subject};
 
 use crate::Verdict;
 use crate::batch;
-use crate::output::{figure, percent, print, table};
+use crate::output::{figure, percent, print, print_json, print_lines, say, table};
 use crate::report::{ensure_rereadable, fitted_logs, gather, write_figures};
 use crate::set_tables::{show_choice, show_states};
 use crate::shared_args::{LogArgs, averaging_time};
-
-/// Name of the report beside the set.
-const REPORT: &str = "report.html";
 
 /// Fit a coefficient set to one or more chamber logs of a unit
 ///
@@ -154,11 +151,11 @@ pub(crate) fn run(args: &Args) -> Result<Verdict> {
     if let (Some(report), Some(folder)) = (&report, &args.figures) {
         write_figures(report, folder)?;
     }
-    write_set(&args.out, &set, report.as_ref())?;
+    write(&args.out, &set, report.as_ref())?;
 
     let files = files(args);
     if args.json {
-        print(json!({
+        print_json(&json!({
             "set": set,
             "verdict": judgement.verdict().name(),
             "objections": judgement.objections,
@@ -175,7 +172,7 @@ pub(crate) fn run(args: &Args) -> Result<Verdict> {
         }
     }
     for objection in &judgement.objections {
-        eprintln!("not acceptable: {objection}");
+        say!("not acceptable: {objection}");
     }
     Ok(Verdict::of(judgement.objections.is_empty()))
 }
@@ -233,24 +230,14 @@ fn options(args: &Args) -> FitOptions {
 }
 
 /// Writes the files of a set, all or none.
-pub(crate) fn write_set(out: &Path, set: &CoefficientSet, report: Option<&Report>) -> Result<()> {
-    let json = serde_json::to_string_pretty(set)? + "\n";
-    let image = table_bin(set).map_err(Error::msg)?;
-    let (rust, c) = (table_rs(set), table_h(set));
-    let mut files = vec![
-        ("coefficients.json", json.as_bytes()),
-        ("table.bin", &image),
-        ("table.rs", rust.as_bytes()),
-        ("table.h", c.as_bytes()),
-    ];
-    files.extend(report.map(|report| (REPORT, report.html.as_bytes())));
-    write_files(out, &files).context("nothing was written")
+pub(crate) fn write(out: &Path, set: &CoefficientSet, report: Option<&Report>) -> Result<()> {
+    let report = report.map(|report| &report.html[..]);
+    write_set(out, set, report).context("nothing was written")
 }
 
 /// Paths of what was written into the folder of the set.
 fn files(args: &Args) -> Vec<String> {
-    let names = ["coefficients.json", "table.bin", "table.rs", "table.h"].into_iter();
-    let names = names.chain((!args.no_report).then_some(REPORT));
+    let names = file_names(!args.no_report);
     let paths = names.map(|name| args.out.join(name).display().to_string());
     paths.collect()
 }
@@ -311,7 +298,7 @@ fn summarise(set: &CoefficientSet, tau_s: f64) -> Result<()> {
         "comp.",
         "improvement",
     ];
-    print(table(&header, rows))?;
+    print_lines(table(&header, rows))?;
     let mut statistics = set.axes().filter_map(|(_, axis)| axis.statistics);
     let tau_s = statistics.next().map_or(tau_s, |of_axis| of_axis.tau_s);
     print(format_args!(

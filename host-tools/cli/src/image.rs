@@ -4,12 +4,12 @@ use std::fs;
 use std::path::Path;
 
 use anyhow::{Context, Error, Result, ensure};
-use tempco_fit::load_set;
 use tempco_fit::set::table_bin;
+use tempco_fit::{check_folder, load_set, read_set};
 use tempco_image::{AlignedBytes, Channel, Image, ImageError, Unit};
 
 use crate::Verdict;
-use crate::output::print;
+use crate::output::{print, say};
 
 /// No image is longer.
 const MOST_BYTES: usize = 1 << 18;
@@ -71,6 +71,7 @@ impl Placed {
 /// The image of a set: that in a file, or that which is made of `coefficients.json`.
 pub(crate) fn of_set(path: &Path) -> Result<Placed> {
     if is_image(path) {
+        check_folder(path)?;
         Placed::read(path)
     } else {
         let image = table_bin(&load_set(path)?).map_err(Error::msg)?;
@@ -78,29 +79,40 @@ pub(crate) fn of_set(path: &Path) -> Result<Placed> {
     }
 }
 
+/// Names the files in the folder of a set or image that are of another set, if there are any.
+pub(crate) fn is_folder_whole(path: &Path) -> bool {
+    let checked = check_folder(path);
+    if let Err(error) = &checked {
+        say!("{error}");
+    }
+    checked.is_ok()
+}
+
 pub(crate) fn inspect(path: &Path, against: Option<&Path>) -> Result<Verdict> {
     let name = path.display();
     let placed = Placed::read(path)?;
     show(&placed.image()?)?;
+    let is_whole = is_folder_whole(path);
     let Some(set) = against else {
-        return Ok(Verdict::Acceptable);
+        return Ok(Verdict::of(is_whole));
     };
-    let same = table_bin(&load_set(set)?).map_err(Error::msg)? == placed.bytes();
+    let same = table_bin(&read_set(set)?).map_err(Error::msg)? == placed.bytes();
     if same {
         print(format_args!("the image is that of {}", set.display()))?;
     } else {
-        eprintln!("{name} is not the image of {}", set.display());
+        say!("{name} is not the image of {}", set.display());
     }
-    Ok(Verdict::of(same))
+    Ok(Verdict::of(same && is_whole))
 }
 
 fn show(image: &Image) -> Result<()> {
     let (format, model, info) = (image.format(), image.model(), image.info());
     print(format_args!(
-        "unit {}, table CRC-32P4 {:08x}\nflash image, layout {}.{}, model {}.{}, {} bytes in {} \
-         block(s), all CRCs right, {}",
-        info.serial,
-        info.table_crc,
+        "unit {}, table CRC-32P4 {:08x}",
+        info.serial, info.table_crc
+    ))?;
+    print(format_args!(
+        "flash image, layout {}.{}, model {}.{}, {} bytes in {} block(s), all CRCs right, {}",
         format.0,
         format.1,
         model.0,

@@ -4,13 +4,13 @@ use std::path::PathBuf;
 
 use anyhow::{Result, ensure};
 use serde_json::{Value, json};
-use tempco_fit::load_set;
 use tempco_fit::metrics::boundaries;
+use tempco_fit::read_set;
 use tempco_fit::set::{ChannelSet, CoefficientSet, MISMATCH_ALARM};
 
 use crate::Verdict;
 use crate::image;
-use crate::output::{figure, print, table};
+use crate::output::{figure, print, print_json, print_lines, say, table};
 use crate::set_tables::{show_choice, show_coverage, show_states};
 
 /// Show a coefficient set: segments, ranges, mismatches, jumps, CRC, provenance
@@ -18,8 +18,8 @@ use crate::set_tables::{show_choice, show_coverage, show_states};
 /// Also reads printed static coefficients from CSV (gyro, segment, temp_min_c, temp_max_c,
 /// a0_pulses, ...), and flash images, which it can compare with the set they are made from. Exits
 /// with 1 where neighbouring segments disagree by more than half of the
-/// axis's bias range, or where the set is marked as rejected,
-/// and where an image is not that of the set.
+/// axis's bias range, where the set is marked as rejected, where an image is not that of the set,
+/// and where the files in the folder of the set are not of one set.
 #[derive(clap::Args)]
 pub(crate) struct Args {
     /// Coefficient set (coefficients.json, or printed coefficients as .csv) or flash image (.bin)
@@ -42,24 +42,27 @@ pub(crate) fn run(args: &Args) -> Result<Verdict> {
         args.against.is_none(),
         "--against: expected with a flash image (.bin) only"
     );
-    let set = load_set(&args.set)?;
+    let set = read_set(&args.set)?;
     let alarms = alarms(&set);
     if args.json {
-        print(derived(&set, &alarms))?;
+        print_json(&derived(&set, &alarms))?;
     } else {
         show(&set)?;
     }
     if set.is_rejected() {
-        eprintln!("rejected: the last verification log found it no better than none");
+        say!("rejected: the last verification log found it no better than none");
     }
     if !alarms.is_empty() {
-        eprintln!(
+        say!(
             "alarm: neighbouring segments disagree by more than {:.0} % of the bias range on {}",
             100.0 * MISMATCH_ALARM,
             alarms.join(", ")
         );
     }
-    Ok(Verdict::of(alarms.is_empty() && !set.is_rejected()))
+    let is_whole = image::is_folder_whole(&args.set);
+    Ok(Verdict::of(
+        alarms.is_empty() && !set.is_rejected() && is_whole,
+    ))
 }
 
 /// The axes whose neighbouring segments disagree too much.
@@ -165,7 +168,7 @@ fn show_channel(channel: &ChannelSet) -> Result<()> {
         }
     }
     let header = ["axis", "segment", "a0", "a1", "a2", "a3", "a4"];
-    print(table(&header, rows))?;
+    print_lines(table(&header, rows))?;
     show_sigmas(channel)?;
     show_states(channel)?;
     show_coverage(&channel.segments)?;
@@ -196,7 +199,7 @@ fn show_channel(channel: &ChannelSet) -> Result<()> {
             "share of bias range",
             "jump in table",
         ];
-        print(table(&header, rows))?;
+        print_lines(table(&header, rows))?;
     }
     Ok(())
 }
@@ -219,7 +222,7 @@ fn show_rounding(channel: &ChannelSet) -> Result<()> {
         "rounding bound",
         "edges within [degC]",
     ];
-    print(table(&header, rows))
+    print_lines(table(&header, rows))
 }
 
 /// The uncertainty of each coefficient, in the basis in which the coefficients are independent.
@@ -245,7 +248,7 @@ fn show_sigmas(channel: &ChannelSet) -> Result<()> {
     print(
         "\n1 sigma of the coefficients of 1, z, z^2, T', z T', with z from -1 to 1 over the segment",
     )?;
-    print(table(
+    print_lines(table(
         &["axis", "segment", "1", "z", "z^2", "T'", "z T'"],
         rows,
     ))

@@ -18,12 +18,15 @@ mod replay;
 mod report;
 mod set_tables;
 mod shared_args;
+#[cfg(unix)]
+mod signals;
 mod simulate;
 mod status;
 
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+use tempco_fit::escape;
 
 /// Temperature compensation of gyroscope bias: from chamber logs to a table that flies.
 #[derive(Parser)]
@@ -67,7 +70,13 @@ impl Verdict {
 }
 
 fn main() -> ExitCode {
-    let result = match Cli::parse().command {
+    let command = Cli::parse().command;
+    #[cfg(unix)]
+    if let Err(error) = signals::watch() {
+        // Whatever is unfinished then stays when the command is told to end.
+        eprintln!("signals: {error}");
+    }
+    let result = match command {
         Command::Fit(args) => fit::run(&args),
         Command::Apply(args) => apply::run(&args),
         Command::Evaluate(args) => evaluate::run(&args),
@@ -83,7 +92,7 @@ fn main() -> ExitCode {
         Ok(Verdict::NotAcceptable) => ExitCode::from(1),
         Err(error) if output::is_broken_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("error: {error:#}");
+            eprintln!("{}", escape::lines(&format!("error: {error:#}")));
             ExitCode::from(2)
         }
     }

@@ -11,7 +11,7 @@ use tempco_hil::Unit;
 use tempco_link::Telemetry;
 
 use crate::Verdict;
-use crate::output::print;
+use crate::output::{print_json, say};
 use crate::port_args::PortArgs;
 use crate::status::status_names;
 
@@ -60,7 +60,7 @@ pub(crate) fn run(args: &Args) -> Result<Verdict> {
         remark(last, telemetry.index);
         last = Some(telemetry.index);
         if args.json {
-            print(serde_json::to_string(&Message::new(&telemetry))?)?;
+            print_json(&Message::new(&telemetry))?;
         } else {
             view.show(&telemetry)?;
         }
@@ -82,8 +82,8 @@ fn wait(unit: &mut Unit, period_ms: u32) -> Result<Telemetry> {
 /// Says what was missed between two messages.
 fn remark(last: Option<u32>, index: u32) {
     match last.map(|last| index.wrapping_sub(last)) {
-        Some(missed @ 2..=0x7fff_ffff) => eprintln!("{} messages were lost", missed - 1),
-        Some(0x8000_0000..) => eprintln!("the unit was reset"),
+        Some(missed @ 2..=0x7fff_ffff) => say!("{} messages were lost", missed - 1),
+        Some(0x8000_0000..) => say!("the unit was reset"),
         _ => {}
     }
 }

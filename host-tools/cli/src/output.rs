@@ -5,16 +5,18 @@ use std::path::Path;
 
 use anyhow::{Context, Result};
 use comfy_table::{CellAlignment, Table, presets};
-use tempco_fit::set::write_files;
+use serde::Serialize;
+use tempco_fit::escape;
+use tempco_fit::files::{Draft, keep_all};
 pub(crate) use tempco_report::{figure, percent, states};
 
 /// A table with the first column to the left and all others, being figures, to the right.
 pub(crate) fn table(header: &[&str], rows: impl IntoIterator<Item = Vec<String>>) -> Table {
     let mut table = Table::new();
     table.load_style(presets::ASCII_MARKDOWN);
-    table.set_header(header.iter().copied());
+    table.set_header(header.iter().map(|cell| escape::line(cell)));
     for row in rows {
-        table.add_row(row);
+        table.add_row(row.iter().map(|cell| escape::line(cell)));
     }
     for column in table.column_iter_mut().skip(1) {
         column.set_cell_alignment(CellAlignment::Right);
@@ -22,24 +24,47 @@ pub(crate) fn table(header: &[&str], rows: impl IntoIterator<Item = Vec<String>>
     table
 }
 
-/// Prints a line or block to standard output; a closed pipe is an error that `main` forgives.
-pub(crate) fn print(text: impl std::fmt::Display) -> Result<()> {
-    writeln!(io::stdout().lock(), "{text}")?;
+/// Prints a line to standard output, after an empty one if it begins with a line break; a closed
+/// pipe is an error that `main` forgives.
+///
+/// Whatever texts from elsewhere are in it, it is one line, and nothing in it acts on a terminal.
+pub(crate) fn print(line: impl std::fmt::Display) -> Result<()> {
+    let line = line.to_string();
+    let (before, line) = match line.strip_prefix('\n') {
+        Some(line) => ("\n", line),
+        None => ("", &line[..]),
+    };
+    writeln!(io::stdout().lock(), "{before}{}", escape::line(line))?;
     Ok(())
 }
 
+/// Prints lines that hold no text from elsewhere but in cells of a [`table`].
+pub(crate) fn print_lines(lines: impl std::fmt::Display) -> Result<()> {
+    writeln!(io::stdout().lock(), "{}", escape::lines(&lines.to_string()))?;
+    Ok(())
+}
+
+/// Prints a value as JSON on one line.
+pub(crate) fn print_json(value: &impl Serialize) -> Result<()> {
+    let json = serde_json::to_string(value)?;
+    writeln!(io::stdout().lock(), "{}", escape::json(&json))?;
+    Ok(())
+}
+
+/// Says a line on standard error, with the same care as [`print`].
+macro_rules! say {
+    ($($text:tt)*) => {
+        eprintln!("{}", tempco_fit::escape::line(&format!($($text)*)))
+    };
+}
+pub(crate) use say;
+
 /// Writes a file in one move, so that no half-written one is ever seen.
 pub(crate) fn write_file(path: &Path, contents: &[u8]) -> Result<()> {
-    let name = path
-        .file_name()
-        .and_then(|name| name.to_str())
-        .with_context(|| format!("{}: expected the name of a file", path.display()))?;
-    let folder = match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
-    write_files(folder, &[(name, contents)])?;
-    Ok(())
+    let mut draft = Draft::create(path)?;
+    let written = draft.file().write_all(contents);
+    written.with_context(|| path.display().to_string())?;
+    Ok(keep_all(vec![draft])?)
 }
 
 pub(crate) fn is_broken_pipe(error: &anyhow::Error) -> bool {

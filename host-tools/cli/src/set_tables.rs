@@ -5,12 +5,12 @@ use comfy_table::Table;
 use tempco_fit::Candidate;
 use tempco_fit::set::{ChannelSet, SegmentSet};
 
-use crate::output::{figure, print, states, table};
+use crate::output::{figure, print, print_lines, states, table};
 
 /// What each segment was fitted from.
 pub(crate) fn show_coverage(segments: &[SegmentSet]) -> Result<()> {
     print("\nWhat each segment was fitted from [degC, degC/min]")?;
-    print(coverage(segments))
+    print_lines(coverage(segments))
 }
 
 fn coverage(segments: &[SegmentSet]) -> Table {
@@ -87,7 +87,7 @@ pub(crate) fn show_states(channel: &ChannelSet) -> Result<()> {
         return Ok(());
     }
     print("\nEarned states: bias per degC that the part is behind")?;
-    print(table(&["axis", "state", "gain", "1 sigma"], rows))
+    print_lines(table(&["axis", "state", "gain", "1 sigma"], rows))
 }
 
 /// Runner-ups that are shown; the set holds all.
@@ -120,7 +120,7 @@ pub(crate) fn show_choice(channel: &ChannelSet) -> Result<()> {
             errors.folds, errors.legs
         ))?;
         let header = ["axis", "none", "static", "cubic", "composite", "this model"];
-        print(table(&header, rows))?;
+        print_lines(table(&header, rows))?;
     }
     if let Some(selection) = &channel.selection {
         print(
@@ -142,7 +142,7 @@ pub(crate) fn show_choice(channel: &ChannelSet) -> Result<()> {
             "above best",
             "s.e.",
         ];
-        print(table(&header, rows))?;
+        print_lines(table(&header, rows))?;
     }
     Ok(())
 }

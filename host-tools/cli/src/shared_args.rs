@@ -1,20 +1,20 @@
 //! Arguments that several commands share: a set and a log, and how to read a log.
 
-use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Error, Result, ensure};
 use tempco_fit::digest::{LogDigest, Plan, digest_file};
-use tempco_fit::load_set;
 use tempco_fit::log::{
     AxisColumn, Log, Mapping, ReadOptions, TempColumn, list_names, read_log_observed,
 };
 use tempco_fit::metrics::TAU_RANGE_S;
 use tempco_fit::parallel;
-use tempco_fit::set::{CoefficientSet, set_of_image};
+use tempco_fit::set::{CoefficientSet, SCALE_FACTORS_ARCSEC, set_of_image};
 use tempco_fit::unit::COLUMN_UNITS;
+use tempco_fit::{check_folder, load_set};
 
 use crate::image::{Placed, is_image};
+use crate::output::say;
 use crate::progress::Progress;
 
 /// A set, and a log it is put to.
@@ -36,6 +36,7 @@ impl SetAndLog {
     pub(crate) fn read(&self) -> Result<(CoefficientSet, Log)> {
         if is_image(&self.set) {
             // Before the log, which may be long.
+            check_folder(&self.set)?;
             let image = Placed::read(&self.set)?;
             let log = self.reading.read(&self.log, None)?;
             return Ok((set_for(&self.set, &image, &log)?, log));
@@ -51,6 +52,7 @@ impl SetAndLog {
 /// Reads a further set for a log: `coefficients.json`, or an image.
 pub(crate) fn load_set_for(path: &Path, log: &Log) -> Result<CoefficientSet> {
     if is_image(path) {
+        check_folder(path)?;
         set_for(path, &Placed::read(path)?, log)
     } else {
         Ok(load_set(path)?)
@@ -73,10 +75,6 @@ pub(crate) fn averaging_time(text: &str) -> Result<f64, String> {
         format!("expected seconds, {least} to {most:e}")
     })
 }
-
-/// Angles per pulse that a gyro may have \[arcsec\]: more cannot be meant, and f32 must hold the
-/// rates.
-const SCALE_FACTORS_ARCSEC: RangeInclusive<f64> = 1e-9..=1e9;
 
 /// How to read a log whose columns are not named `time_s`, `temp_c` and `NAME_UNIT`.
 #[derive(clap::Args)]
@@ -150,10 +148,10 @@ impl LogArgs {
 /// Says what of a log was not used.
 fn remark(file: &str, ignored_columns: &[String], skipped_rows: usize) {
     if !ignored_columns.is_empty() {
-        eprintln!("{file}: columns not used: {}", list_names(ignored_columns));
+        say!("{file}: columns not used: {}", list_names(ignored_columns));
     }
     if skipped_rows > 0 {
-        eprintln!("{file}: {skipped_rows} bad rows left out");
+        say!("{file}: {skipped_rows} bad rows left out");
     }
 }
 

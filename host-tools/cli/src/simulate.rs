@@ -1,15 +1,16 @@
 //! `tempco simulate`: a log of a simulated unit.
 
-use std::fs::{self, File};
+use std::fs::File;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
+use tempco_fit::files::{Draft, keep_all};
 use tempco_twin::{
     DEFAULT_RATE_HZ, PROFILES, Profile, Simulation, UNITS, Unit, write_log, write_log_and_truth,
 };
 
 use crate::Verdict;
-use crate::output::print;
+use crate::output::{print, print_lines};
 
 /// Simulate a unit in a thermal chamber
 #[derive(clap::Args)]
@@ -42,7 +43,7 @@ pub(crate) struct Args {
 
 pub(crate) fn run(args: &Args) -> Result<Verdict> {
     match (&args.unit, &args.profile, &args.out, &args.show) {
-        (_, _, _, Some(name)) => print(source(name)?.trim_end())?,
+        (_, _, _, Some(name)) => print_lines(source(name)?.trim_end())?,
         (Some(unit), Some(profile), Some(out), None) => simulate(args, unit, profile, out)?,
         _ => list()?,
     }
@@ -91,69 +92,50 @@ fn simulate(args: &Args, unit: &str, profile: &str, out: &Path) -> Result<()> {
         name => Profile::named(name)?,
     };
     let run = Simulation::new(&unit, &profile, args.seed, args.rate)?;
-    let mut log = Partial::create(out)?;
+    let mut log = Sink::create(out)?;
+    let mut truth = None;
     let rows = match &args.truth {
         Some(path) => {
             ensure!(path != out, "--out and --truth: expected two files");
-            let mut truth = Partial::create(path)?;
-            let rows = write_log_and_truth(&mut log.file, &mut truth.file, run)
-                .with_context(|| out.display().to_string())?;
-            truth.keep()?;
-            rows
+            let truth = truth.insert(Sink::create(path)?);
+            write_log_and_truth(log.file(), truth.file(), run)
         }
-        None => write_log(&mut log.file, run).with_context(|| out.display().to_string())?,
+        None => write_log(log.file(), run),
     };
-    log.keep()?;
+    let rows = rows.with_context(|| out.display().to_string())?;
+    let sinks = truth.into_iter().chain([log]);
+    keep_all(sinks.filter_map(Sink::into_draft).collect())?;
     print(format_args!("{rows} rows; wrote {}", out.display()))
 }
 
-/// A file that gets its name once it is whole. Logs are too long to be kept in memory.
-struct Partial {
-    file: File,
-    /// What it is called until then; `None` for what is no file, a pipe or a device.
-    partial: Option<PathBuf>,
-    whole: PathBuf,
+/// Where a log goes. Logs are too long to be kept in memory.
+enum Sink {
+    Draft(Draft),
+    /// A pipe or a device.
+    Open(File),
 }
 
-impl Partial {
-    fn create(whole: &Path) -> Result<Self> {
-        let context = || whole.display().to_string();
-        let partial = if whole.exists() && !whole.is_file() {
-            None
+impl Sink {
+    fn create(path: &Path) -> Result<Self> {
+        if path.exists() && !path.is_file() {
+            let open = File::create(path).with_context(|| path.display().to_string());
+            Ok(Self::Open(open?))
         } else {
-            let name = whole.file_name();
-            let name =
-                name.with_context(|| format!("{}: expected the name of a file", context()))?;
-            let mut partial = name.to_owned();
-            partial.push(".partial");
-            Some(whole.with_file_name(partial))
-        };
-        if let Some(folder) = whole.parent() {
-            fs::create_dir_all(folder).with_context(context)?;
-        }
-        let file = File::create(partial.as_deref().unwrap_or(whole)).with_context(context)?;
-        Ok(Self {
-            file,
-            partial,
-            whole: whole.to_owned(),
-        })
-    }
-
-    fn keep(mut self) -> Result<()> {
-        match self.partial.take() {
-            Some(partial) => {
-                fs::rename(partial, &self.whole).with_context(|| self.whole.display().to_string())
-            }
-            None => Ok(()),
+            Ok(Self::Draft(Draft::create(path)?))
         }
     }
-}
 
-impl Drop for Partial {
-    fn drop(&mut self) {
-        if let Some(partial) = &self.partial {
-            // What is left of a failure is of no use; nothing can be done if it stays.
-            let _ = fs::remove_file(partial);
+    fn file(&mut self) -> &mut File {
+        match self {
+            Self::Draft(draft) => draft.file(),
+            Self::Open(file) => file,
+        }
+    }
+
+    fn into_draft(self) -> Option<Draft> {
+        match self {
+            Self::Draft(draft) => Some(draft),
+            Self::Open(_) => None,
         }
     }
 }

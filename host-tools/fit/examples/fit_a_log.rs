@@ -8,7 +8,7 @@ use std::path::PathBuf;
 
 use tempco_fit::fit::{FitOptions, fit};
 use tempco_fit::log::{ReadOptions, read_log};
-use tempco_fit::set::{Model, table_rs, write_files};
+use tempco_fit::set::{MARK, Model, write_set};
 
 /// Two cycles between 0 and 50 degC at 1 and 0.5 degC/min, a row every two seconds, of a gyro with
 /// a quadratic bias, 0.03 deg/h per degC/min, and some noise.
@@ -68,18 +68,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         assert!(held_out.chosen < Some(0.2 * held_out.none));
     }
     let set = folder.path().join("set");
-    let json = serde_json::to_string_pretty(&fit.set)?;
-    let rust = table_rs(&fit.set);
-    write_files(
-        &set,
-        &[
-            ("coefficients.json", json.as_bytes()),
-            ("table.rs", rust.as_bytes()),
-        ],
-    )?;
+    write_set(&set, &fit.set, None)?;
     println!(
         "wrote {} and the table for the firmware",
-        set.join("coefficients.json").display()
+        set.join(MARK).display()
     );
     Ok(())
 }

@@ -8,7 +8,7 @@ use crate::screen::Screening;
 use crate::segment::{Overlap, Segmentation};
 use crate::set::{
     AxisSet, ChannelSet, CoefficientSet, FORMAT_VERSION, PlayData, Provenance, SegmentSet,
-    Settings, SlowPartData, TableData,
+    Settings, SlowPartData, TableData, numbers,
 };
 use crate::tabulate::tabulate;
 
@@ -60,13 +60,7 @@ pub(crate) fn channel(
             cells: cells
                 .cells
                 .iter()
-                .map(|cell| {
-                    let numbers = |terms: &tempco::Terms| {
-                        let [a0, a1, a2] = terms.a;
-                        [a0, a1, a2, terms.r[0], terms.r[1]]
-                    };
-                    cell.iter().map(numbers).collect()
-                })
+                .map(|cell| cell.iter().map(numbers).collect())
                 .collect(),
             plays,
             slow_parts,

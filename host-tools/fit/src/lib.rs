@@ -16,6 +16,8 @@ pub mod apply;
 mod assemble;
 pub mod batch;
 pub mod digest;
+pub mod escape;
+pub mod files;
 pub mod fit;
 mod import;
 mod joint;
@@ -40,7 +42,7 @@ mod thinned;
 pub mod unit;
 
 pub use joint::{Candidate, HeldOutErrors, Place, Selection};
-pub use load::{SetError, load_set};
+pub use load::{SetError, check_folder, load_set, read_set};
 pub use regress::thermal_points;
 pub use rounding::RoundingBound;
 pub use screen::{BiasStep, Screening, Stretch};

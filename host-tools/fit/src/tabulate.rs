@@ -11,7 +11,7 @@ const _: () = assert!(MOST_CELLS <= MAX_CELLS);
 
 /// Accepted deviation of the cells from the model, as a share of the range of the axis's bias
 /// over the calibrated temperatures and rates.
-const TOLERANCE: f64 = 1e-3;
+pub(crate) const TOLERANCE: f64 = 1e-3;
 
 /// Cells and how well they stand for the model.
 #[derive(Clone, Debug, PartialEq)]
@@ -47,7 +47,18 @@ pub(crate) fn tabulate(
             return found;
         }
     }
-    let count = MOST_CELLS;
+    in_cells(MOST_CELLS, segmentation, axes, rates_c_per_min)
+}
+
+/// The model in a given number of cells, well or badly.
+pub(crate) fn in_cells(
+    count: usize,
+    segmentation: &Segmentation,
+    axes: &[AxisModel],
+    rates_c_per_min: (f64, f64),
+) -> Cells {
+    let range = segmentation.range_c();
+    let pieces = segmentation.pieces(axes[0].overlap);
     Grid { range, count }.cells(&pieces, axes, rates_c_per_min)
 }
 

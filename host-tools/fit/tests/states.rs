@@ -202,8 +202,10 @@ fn example() -> CoefficientSet {
         limit_c: 40.0,
         gain: vec![-0.0005, 1e-6],
     }];
-    for axis in &mut channel.axes {
-        axis.gains = vec![GainSet::default(); 2];
+    let (play, slow_part) = (&channel.table.plays[0], &channel.table.slow_parts[0]);
+    for (number, axis) in channel.axes.iter_mut().enumerate() {
+        let gains = [play.gain[number], slow_part.gain[number]].map(f64::from);
+        axis.gains = gains.map(|gain| GainSet { gain, sigma: 0.0 }).to_vec();
     }
     set.table_crc32 = format!("{:08x}", set.crc32());
     set

@@ -4,7 +4,7 @@ use anyhow::Result;
 use comfy_table::Table;
 use tempco_fit::metrics::{AllanCurves, AxisEvaluation, Evaluation, Measured, Role};
 
-use crate::output::{figure, percent, print, table};
+use crate::output::{figure, percent, print, print_lines, table};
 use crate::set_tables::show_coverage;
 
 /// Axes whose Allan curves stand beside each other.
@@ -20,7 +20,7 @@ pub(super) fn show(evaluation: &Evaluation) -> Result<()> {
     print(format_args!("{} ({} rows), {role}", log.file, log.rows))?;
 
     print("\nBias stability: sigma of means over tau")?;
-    print(stability(&evaluation.axes))?;
+    print_lines(stability(&evaluation.axes))?;
     print(format_args!("reference: {}", evaluation.reference))?;
     for axis in &evaluation.axes {
         for at in &axis.bias_stability {
@@ -35,7 +35,7 @@ pub(super) fn show(evaluation: &Evaluation) -> Result<()> {
         "\nMeans over {} s: about the mean of the log, and their correlation with temperature",
         evaluation.tau_s
     ))?;
-    print(residuals(&evaluation.axes))?;
+    print_lines(residuals(&evaluation.axes))?;
     print(format_args!(
         "by chance alone |r| stays below {:.2} in 19 of 20 logs, if means do not follow each other",
         2.0 / (evaluation.axes.first().map_or(1, |axis| axis.n) as f64).sqrt()
@@ -48,7 +48,7 @@ pub(super) fn show(evaluation: &Evaluation) -> Result<()> {
     if !rows.is_empty() {
         print("\nBoundaries between segments")?;
         let header = ["axis", "overlap [degC]", "mismatch", "jump in table"];
-        print(table(&header, rows))?;
+        print_lines(table(&header, rows))?;
     }
     let segments = evaluation.segments.iter();
     let mut segments = segments.filter(|segments| !segments.is_empty());
@@ -149,7 +149,7 @@ fn show_hysteresis(axes: &[AxisEvaluation]) -> Result<()> {
             "rms raw",
             "rms comp.",
         ];
-        print(table(&header, rows))?;
+        print_lines(table(&header, rows))?;
     }
     if let Some((_, h)) = measured.clone().next() {
         print(format_args!(
@@ -170,10 +170,10 @@ fn show_allan(axes: &[AxisEvaluation]) -> Result<()> {
         figure(first.allan.interval_s)
     ))?;
     for axes in axes.chunks(AXES_ABREAST) {
-        print(allan(axes))?;
+        print_lines(allan(axes))?;
     }
     print("1 sigma: of the least certain of the compensated axes")?;
-    print(table(
+    print_lines(table(
         &[
             "axis",
             "",

@@ -8,14 +8,15 @@ use std::str::FromStr;
 
 use anyhow::{Error, Result, anyhow, ensure};
 use tempco_fit::apply::{ChannelInputs, inputs};
+use tempco_fit::files::ScratchFolder;
 use tempco_fit::log::Log;
-use tempco_fit::set::{CoefficientSet, table_bin, table_rs, write_files};
+use tempco_fit::set::{CoefficientSet, table_bin, table_rs};
 use tempco_qemu::{Board, Variant, Workspace, build_variant, ensure_qemu, ensure_target_of};
 use tempco_replay::Sample;
 
 use crate::Verdict;
 use crate::image::Placed;
-use crate::output::print;
+use crate::output::{print, say};
 use crate::port_args::BAUD;
 use crate::shared_args::SetAndLog;
 
@@ -101,7 +102,7 @@ pub(crate) fn run(args: &Args) -> Result<Verdict> {
         log.rows()
     ))?;
     if let Some(row) = differences.first {
-        eprintln!(
+        say!(
             "the first one that differs is row {} at {} s",
             row + 1,
             log.time_s[row]
@@ -147,12 +148,16 @@ impl Replay<'_> {
         let workspace = Workspace::find()?;
         ensure_target_of(&workspace, board)?;
         ensure_qemu(&workspace)?;
-        let folder = std::env::temp_dir().join(format!("tempco-replay-{}", std::process::id()));
-        write_files(&folder, &[("table.rs", table_rs(self.set).as_bytes())])?;
-        let table = folder.join("table.rs");
-        let image = build_variant(&workspace, board, bin, Some(&table), variant);
-        let _ = std::fs::remove_dir_all(&folder);
-        Ok(image?)
+        let folder = ScratchFolder::new()?;
+        let table = folder.path().join("table.rs");
+        std::fs::write(&table, table_rs(self.set))?;
+        Ok(build_variant(
+            &workspace,
+            board,
+            bin,
+            Some(&table),
+            variant,
+        )?)
     }
 }
 

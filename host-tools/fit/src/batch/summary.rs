@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 
 use super::figures::{AxisFigures, Outcome, UnitFigures};
 use super::outlier::{LEAST_UNITS, OUTLIER_Z, robust_z};
+use crate::escape;
 
 /// The columns of the summary, for reading by machines.
 const HEADER: [&str; 14] = [
@@ -124,7 +125,8 @@ impl Summary {
         let cannot_fail = "writing to memory cannot fail";
         writer.write_record(HEADER).expect(cannot_fail);
         for (_, row) in self.rows() {
-            writer.write_record(row).expect(cannot_fail);
+            let cells = row.iter().map(|cell| escape::csv_cell(cell));
+            writer.write_record(cells).expect(cannot_fail);
         }
         writer.into_inner().expect(cannot_fail)
     }
@@ -162,7 +164,7 @@ impl Summary {
             };
             let _ = write!(page, "<tr class=\"{}{outlier}\">", self.verdict(unit));
             for cell in row {
-                let _ = write!(page, "<td>{}</td>", escaped(&cell));
+                let _ = write!(page, "<td>{}</td>", escape::html(&cell));
             }
             page.push_str("</tr>\n");
         }
@@ -210,13 +212,6 @@ fn message(figures: &UnitFigures) -> String {
         .map(String::as_str)
         .collect();
     parts.join("; ")
-}
-
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
-        .replace('"', "&quot;")
 }
 
 const STYLE: &str = "body{font:14px sans-serif;margin:2em}table{border-collapse:collapse}\
@@ -279,6 +274,34 @@ mod tests {
         let html = summary.html();
         assert!(html.contains("6 accepted, 0 rejected, 1 failed; 1 outliers."));
         assert!(html.contains("a,b.csv:1: &lt;no&gt; &quot;column&quot;"));
+    }
+
+    #[test]
+    fn texts_are_neither_formulas_nor_markup() {
+        let hostile = "=HYPERLINK(\"http://x\")<script>\u{1b}[2J\u{202e}";
+        let mut units = vec![unit(hostile, 0.1), unit("-1+1|x", 0.1), unit("-5", 2.0)];
+        units[0].result.as_mut().unwrap().axes[0].axis = "@x".to_owned();
+        units[1].result = Err("+cmd\r\n\t<img>".to_owned());
+        let summary = Summary::new(units);
+        let csv = summary.csv();
+        let mut reader = csv::Reader::from_reader(&csv[..]);
+        for cell in reader.records().flat_map(|row| {
+            let row = row.unwrap();
+            row.iter().map(str::to_owned).collect::<Vec<_>>()
+        }) {
+            assert!(
+                !cell.starts_with(['=', '+', '-', '@', '\t', '\r']) || cell.parse::<f64>().is_ok(),
+                "{cell}"
+            );
+        }
+        let html = summary.html();
+        assert!(
+            !html.contains("<script") && !html.contains("<img"),
+            "{html}"
+        );
+        for text in [&String::from_utf8(csv).unwrap(), &html] {
+            assert!(!text.contains(['\u{1b}', '\u{202e}', '\r', '\t']), "{text}");
+        }
     }
 
     #[test]

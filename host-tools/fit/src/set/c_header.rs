@@ -7,6 +7,7 @@ use tempco_image::MAX_AXES;
 
 use super::image::gains;
 use super::{ChannelSet, CoefficientSet};
+use crate::escape::{c_literal, comment};
 
 /// Type definitions, guarded on their own, so that tables of several units can be included.
 const TYPES: &str = r#"#ifndef TEMPCO_TABLE_TYPES
@@ -70,7 +71,7 @@ fn write_table_h(out: &mut String, set: &CoefficientSet) -> std::fmt::Result {
     writeln!(
         out,
         "/* Coefficient table, written by {}. Do not edit. */\n",
-        set.provenance.tool
+        comment(&set.provenance.tool)
     )?;
     writeln!(
         out,
@@ -81,16 +82,13 @@ fn write_table_h(out: &mut String, set: &CoefficientSet) -> std::fmt::Result {
         .replace("SETTINGS", &fields.join("    "))
         .replace("GAINS", &MAX_AXES.to_string());
     writeln!(out, "{types}")?;
-    writeln!(out, "#define TEMPCO_SERIAL {}", literal(&set.serial))?;
-    writeln!(out, "#define TEMPCO_CRC 0x{:08x}u", set.crc32())?;
+    let [serial, crc] = heading(set);
+    writeln!(out, "{serial}\n{crc}")?;
     writeln!(out, "#define TEMPCO_CHANNELS {}", channels.len())?;
     writeln!(out, "#define TEMPCO_AXES {axes}\n")?;
     for (number, channel) in channels.iter().enumerate() {
-        for (axis, data) in channel.axes.iter().enumerate() {
-            let name = literal(&data.name);
-            let unit = literal(data.unit.name());
-            writeln!(out, "#define TEMPCO_AXIS_NAME_{number}_{axis} {name}")?;
-            writeln!(out, "#define TEMPCO_AXIS_UNIT_{number}_{axis} {unit}")?;
+        for line in axis_lines(number, channel) {
+            writeln!(out, "{line}")?;
         }
         writeln!(out)?;
         write_cells(out, number, channel)?;
@@ -104,6 +102,31 @@ fn write_table_h(out: &mut String, set: &CoefficientSet) -> std::fmt::Result {
         write_channel(out, number, channel)?;
     }
     writeln!(out, "}};\n\n#endif")
+}
+
+/// The lines by which a table is known to be of a set: serial number, CRC, and the names and units
+/// of the axes of each channel.
+pub(super) fn identity(set: &CoefficientSet) -> Vec<String> {
+    let channels = set.channels.iter().enumerate();
+    let of_axes = channels.flat_map(|(number, channel)| axis_lines(number, channel));
+    heading(set).into_iter().chain(of_axes).collect()
+}
+
+fn heading(set: &CoefficientSet) -> [String; 2] {
+    [
+        format!("#define TEMPCO_SERIAL {}", c_literal(&set.serial)),
+        format!("#define TEMPCO_CRC 0x{:08x}u", set.crc32()),
+    ]
+}
+
+fn axis_lines(number: usize, channel: &ChannelSet) -> impl Iterator<Item = String> {
+    channel.axes.iter().enumerate().flat_map(move |(axis, of)| {
+        let (name, unit) = (c_literal(&of.name), c_literal(of.unit.name()));
+        [
+            format!("#define TEMPCO_AXIS_NAME_{number}_{axis} {name}"),
+            format!("#define TEMPCO_AXIS_UNIT_{number}_{axis} {unit}"),
+        ]
+    })
 }
 
 fn write_cells(out: &mut String, number: usize, channel: &ChannelSet) -> std::fmt::Result {
@@ -189,31 +212,4 @@ fn write_channel(out: &mut String, number: usize, channel: &ChannelSet) -> std::
         pointer("plays", number, table.plays.len()),
         pointer("slow_parts", number, table.slow_parts.len()),
     )
-}
-
-/// A C string literal; whatever is not plain ASCII becomes octal escapes, which, unlike
-/// hexadecimal ones, end after three digits.
-fn literal(text: &str) -> String {
-    let mut quoted = String::from("\"");
-    for byte in text.bytes() {
-        match byte {
-            // A question mark could begin a trigraph.
-            b'"' | b'\\' | b'?' => quoted.extend(['\\', byte.into()]),
-            b' '..=b'~' => quoted.push(byte.into()),
-            _ => quoted.push_str(&format!("\\{byte:03o}")),
-        }
-    }
-    quoted + "\""
-}
-
-#[cfg(test)]
-mod tests {
-    use super::literal;
-
-    #[test]
-    fn strings_cannot_end_early() {
-        assert_eq!(literal("SN 7"), "\"SN 7\"");
-        assert_eq!(literal("a\"b\\c"), "\"a\\\"b\\\\c\"");
-        assert_eq!(literal("\u{e9}1\n??/"), "\"\\303\\2511\\012\\?\\?/\"");
-    }
 }

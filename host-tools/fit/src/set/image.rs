@@ -6,7 +6,7 @@ use tempco_image::{
     encoded_len,
 };
 
-use super::{CoefficientSet, TableData};
+use super::{ChannelSet, CoefficientSet, TableData};
 use crate::unit::AxisUnit;
 
 /// Most bytes of an image: six axes of the most cells, each its own channel, with room for heads.
@@ -105,4 +105,27 @@ pub fn table_bin(set: &CoefficientSet) -> Result<Vec<u8>, String> {
     let read = Image::read(image).and_then(|read| read.validate());
     read.map_err(explain)?;
     Ok(image.to_vec())
+}
+
+/// Whether bytes are an image of the tables of a set, of whatever version.
+pub(super) fn is_of(set: &CoefficientSet, bytes: &[u8]) -> bool {
+    let mut place = Box::new(AlignedBytes([0; MOST_BYTES]));
+    let Some(start) = place.0.get_mut(..bytes.len()) else {
+        return false;
+    };
+    start.copy_from_slice(bytes);
+    let Ok(image) = Image::read(start).and_then(|image| image.validate().map(|()| image)) else {
+        return false;
+    };
+    let units = |(number, channel): (usize, &ChannelSet)| {
+        let units: Vec<Unit> = channel.axes.iter().map(|axis| code(axis.unit)).collect();
+        image
+            .channel(number)
+            .is_ok_and(|found| found.units == Unit::array(&units))
+    };
+    let info = image.info();
+    info.serial == set.serial
+        && info.table_crc == set.crc32()
+        && image.channels() == set.channels.len()
+        && set.channels.iter().enumerate().all(units)
 }

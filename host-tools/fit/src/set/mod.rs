@@ -2,7 +2,9 @@
 
 mod axis;
 mod c_header;
+mod check;
 mod emit;
+mod folder;
 mod history;
 mod image;
 mod of_image;
@@ -11,14 +13,16 @@ mod table;
 
 pub use axis::{AxisSet, AxisStatistics, CoefficientSigmas, GainSet, NoiseSet};
 pub use c_header::table_h;
-pub use emit::{table_rs, write_files};
+pub use check::SCALE_FACTORS_ARCSEC;
+pub use emit::table_rs;
+pub use folder::{MARK, REPORT, TABLE_BIN, WriteError, file_names, strangers, write_set};
 pub(crate) use history::level_history;
 pub use history::{PlayData, SlowPartData};
 pub use image::table_bin;
 pub use of_image::set_of_image;
 pub use provenance::{Input, Provenance, SignOff};
-pub(crate) use table::use_axis;
 pub use table::{TableData, TableUse, use_tables};
+pub(crate) use table::{numbers, use_axis};
 
 use serde::{Deserialize, Serialize};
 
@@ -146,6 +150,15 @@ pub struct SegmentSet {
     pub coverage: Option<Coverage>,
 }
 
+impl SegmentSet {
+    fn range(&self) -> Segment {
+        Segment {
+            t_min_c: self.t_min_c,
+            t_max_c: self.t_max_c,
+        }
+    }
+}
+
 /// What the rows of a segment cover.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -190,8 +203,9 @@ impl CoefficientSet {
     /// Reads a set from the text of `coefficients.json`.
     ///
     /// # Errors
-    /// Says what is wrong: not the format, another version, a table that the core refuses, or a
-    /// CRC that does not belong to the numbers.
+    /// Says what is wrong and what was expected: not the format, another version, a number out of
+    /// its range, a table that the core refuses or that is not the one of the polynomials, or a CRC
+    /// that does not belong to the numbers.
     pub fn from_json(text: &str) -> Result<Self, String> {
         let set: Self = serde_json::from_str(text).map_err(|error| {
             format!(
@@ -204,72 +218,17 @@ impl CoefficientSet {
         Ok(set)
     }
 
+    /// The text of `coefficients.json`.
+    ///
+    /// # Panics
+    /// Never: all keys are texts.
+    pub fn to_json(&self) -> String {
+        serde_json::to_string_pretty(self).expect("keys that are texts") + "\n"
+    }
+
     /// Whether the last verification log that was signed off rejects the set.
     pub fn is_rejected(&self) -> bool {
         self.sign_offs.last().is_some_and(|last| !last.accepted)
-    }
-
-    /// Checks what the types cannot.
-    pub(crate) fn check(&self) -> Result<(), String> {
-        if self.format != "tempco-coefficients" || self.format_version != FORMAT_VERSION {
-            return Err(format!(
-                "format {} version {}: expected tempco-coefficients version {FORMAT_VERSION}",
-                self.format, self.format_version
-            ));
-        }
-        let axes = self
-            .channels
-            .first()
-            .map_or(0, |channel| channel.axes.len());
-        if axes == 0 || self.axes().count() > 6 {
-            return Err(format!("{} axes: expected 1 to 6", self.axes().count()));
-        }
-        for channel in &self.channels {
-            if channel.axes.len() != axes {
-                return Err("the temperature channels have different numbers of axes".to_owned());
-            }
-            channel.segmentation().map_err(|error| error.to_string())?;
-            for axis in &channel.axes {
-                if axis.polynomials.len() != channel.segments.len() {
-                    return Err(format!(
-                        "axis {} has {} polynomials for {} segments",
-                        axis.name,
-                        axis.polynomials.len(),
-                        channel.segments.len()
-                    ));
-                }
-                let terms = channel.table.plays.len() + channel.table.slow_parts.len();
-                if axis.gains.len() != terms {
-                    return Err(format!(
-                        "axis {} has {} gains for {terms} plays and slow parts",
-                        axis.name,
-                        axis.gains.len()
-                    ));
-                }
-            }
-            let history =
-                |channel: &ChannelSet| (channel.table.plays.len(), channel.table.slow_parts.len());
-            if history(channel) != history(&self.channels[0]) {
-                return Err(
-                    "the temperature channels have different numbers of plays or slow \
-                            parts"
-                        .to_owned(),
-                );
-            }
-            channel
-                .table
-                .check(axes)
-                .map_err(|error| error.to_string())?;
-        }
-        let crc = self.crc32();
-        if self.table_crc32 != format!("{crc:08x}") {
-            return Err(format!(
-                "the CRC of the tables is {crc:08x}, but the file says {}: it was damaged or \
-                 changed by hand",
-                self.table_crc32
-            ));
-        }
-        Ok(())
     }
 
     /// CRC-32P4 over the numbers of all tables.
@@ -291,10 +250,7 @@ impl ChannelSet {
     /// # Errors
     /// Segments that no fit makes; not in a set that was read.
     pub fn segmentation(&self) -> Result<Segmentation, SegmentError> {
-        let ranges = self.segments.iter().map(|segment| Segment {
-            t_min_c: segment.t_min_c,
-            t_max_c: segment.t_max_c,
-        });
+        let ranges = self.segments.iter().map(SegmentSet::range);
         Segmentation::new(ranges.collect())
     }
 

@@ -1,8 +1,8 @@
 //! A flash image as a set, for a log: an image has units and no names.
 
-use tempco::Terms;
 use tempco_image::{Channel, Image, ImageError, Unit};
 
+use super::table::numbers;
 use super::{
     AxisSet, ChannelSet, CoefficientSet, Model, PlayData, Provenance, Settings, SlowPartData,
     TableData,
@@ -115,10 +115,6 @@ fn axis_set(name: &str, unit: AxisUnit) -> AxisSet {
 
 fn table_data(channel: &Channel) -> TableData {
     let axes = channel.axes();
-    let numbers = |terms: &Terms| {
-        let ([a0, a1, a2], [r0, r1]) = (terms.a, terms.r);
-        [a0, a1, a2, r0, r1]
-    };
     TableData {
         thermal: channel.thermal,
         first_edge_c: channel.first_edge_c,

@@ -103,6 +103,12 @@ fn use_axes<const CHANNELS: usize, const AXES: usize, U: TableUse<CHANNELS, AXES
     with_counts!(0 0, 1 0, 2 0, 0 1, 1 1, 2 1)
 }
 
+/// Terms as a cell holds them.
+pub(crate) const fn numbers(terms: &Terms) -> [f32; 5] {
+    let ([a0, a1, a2], [r0, r1]) = (terms.a, terms.r);
+    [a0, a1, a2, r0, r1]
+}
+
 impl TableData {
     /// The cells of `AXES` axes from the first of `axes` on, as the core borrows them.
     ///

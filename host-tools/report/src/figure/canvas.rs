@@ -3,6 +3,7 @@
 use maud::{Markup, PreEscaped, html};
 use plotters::coord::Shift;
 use plotters::prelude::*;
+use tempco_fit::escape;
 
 use super::palette::SURFACE;
 use crate::ReportError;
@@ -93,7 +94,7 @@ impl Figure {
         let mut body = inner.replace(" opacity=\"1\"", "");
         body += &hovers.markup().0;
         Ok(Self {
-            name,
+            name: escape::file_name(&name),
             label,
             height,
             body,
@@ -119,6 +120,6 @@ impl Figure {
                 (PreEscaped(&self.body))
             }
         };
-        svg.0 + "\n"
+        escape::lines(&svg.0) + "\n"
     }
 }

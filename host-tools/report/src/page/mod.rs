@@ -5,6 +5,7 @@ mod summary;
 mod tables;
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
+use tempco_fit::escape;
 use tempco_fit::unit::AxisUnit;
 
 use crate::Subject;
@@ -47,7 +48,7 @@ pub(crate) fn page(subject: &Subject, gathered: &Gathered, figures: &Figures) ->
             }
         }
     };
-    page.into_string() + "\n"
+    escape::lines(&page.into_string()) + "\n"
 }
 
 fn sections(subject: &Subject, gathered: &Gathered, figures: &Figures) -> Markup {

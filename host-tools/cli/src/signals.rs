@@ -1,0 +1,40 @@
+//! Signals that tell the command to end: it removes what is unfinished, then ends by the signal.
+
+use std::fs;
+use std::io;
+use std::thread;
+
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+use signal_hook::iterator::Signals;
+use signal_hook::low_level::emulate_default_handler;
+use tempco_fit::files;
+
+/// Waits for signals in a thread of its own.
+pub(crate) fn watch() -> io::Result<()> {
+    let ignored = ignored();
+    let heeded = [SIGHUP, SIGINT, SIGTERM];
+    let heeded = heeded
+        .into_iter()
+        .filter(|signal| ignored & bit(*signal) == 0);
+    let mut signals = Signals::new(heeded)?;
+    thread::spawn(move || {
+        for signal in signals.forever() {
+            files::abandon();
+            let _ = emulate_default_handler(signal);
+        }
+    });
+    Ok(())
+}
+
+/// The signals that were ignored when the command began, by `nohup` or by a shell for what it runs
+/// in the background; they stay so. Where they cannot be known, `nohup` is honoured.
+fn ignored() -> u64 {
+    let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    let mask = mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
+    mask.unwrap_or(bit(SIGHUP))
+}
+
+const fn bit(signal: i32) -> u64 {
+    1 << (signal - 1)
+}
