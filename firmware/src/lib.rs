@@ -12,7 +12,7 @@
 //! - `target`: semihosting, panics and faults; only on a target
 //! - `logger`: where logs go
 //! - [`unit`](mod@unit): the application of gyro electronics, with its sampling interrupt, link and store
-//! - `reset`, `sample_clock`, `stack`: what the application needs of a Cortex-M
+//! - `idle`, `reset`, `sample_clock`, `stack`: what the application needs of a Cortex-M
 //! - `guard`: in place of `target` with the feature `link-guard`, a panic that does not link, and
 //!   calls of what must link with it
 //!
@@ -33,6 +33,8 @@ pub mod golden;
 #[cfg(all(target_os = "none", feature = "link-guard"))]
 pub mod guard;
 pub mod history;
+#[cfg(all(target_os = "none", feature = "application"))]
+pub mod idle;
 pub mod kernels;
 #[cfg(all(
     target_os = "none",

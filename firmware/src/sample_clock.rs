@@ -4,7 +4,7 @@ use cortex_m::asm;
 use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m::peripheral::{SCB, SYST};
 
-use crate::board::BOARD;
+use crate::board::{BOARD, chosen};
 use crate::unit::SCHEDULE;
 use crate::unit::devices::SampleClock;
 
@@ -14,6 +14,18 @@ const PERIOD: u32 = BOARD.systick_hz / SCHEDULE.sample_rate_hz as u32;
 const _: () = assert!(
     PERIOD * SCHEDULE.sample_rate_hz as u32 == BOARD.systick_hz && PERIOD <= 1 << 24,
     "SysTick cannot count the sampling period"
+);
+
+/// Counts per period of the board's free-running counter.
+const FREE_PER_PERIOD: u32 = chosen::FREE_RUNNING_HZ / SCHEDULE.sample_rate_hz as u32;
+
+const _: () = assert!(
+    FREE_PER_PERIOD * SCHEDULE.sample_rate_hz as u32 == chosen::FREE_RUNNING_HZ
+        && FREE_PER_PERIOD >= 5
+        // The product of a period's counts of both is formed in 32 bits.
+        && FREE_PER_PERIOD as u64 * PERIOD as u64 <= u32::MAX as u64
+        && (chosen::FREE_RUNNING_MAX & chosen::FREE_RUNNING_MAX.wrapping_add(1)) == 0,
+    "the free-running counter cannot count sampling periods"
 );
 
 /// SysTick, for both sides.
@@ -34,6 +46,8 @@ impl SysTick {
 
 impl SampleClock for SysTick {
     const COUNT_NS: u32 = 1_000_000_000 / BOARD.systick_hz;
+    const FREE_PER_PERIOD: u32 = FREE_PER_PERIOD;
+    const FREE_MAX: u32 = chosen::FREE_RUNNING_MAX;
 
     fn since_interrupt(&self) -> u32 {
         PERIOD - 1 - SYST::get_current()
@@ -47,7 +61,7 @@ impl SampleClock for SysTick {
         // With interrupts held back, so that their time does not count as asleep.
         cortex_m::interrupt::free(|_| {
             let before = SYST::get_current();
-            asm::wfi();
+            chosen::idle();
             let after = SYST::get_current();
             // It counts down, and at most once to zero.
             if after <= before {
@@ -56,6 +70,10 @@ impl SampleClock for SysTick {
                 before + PERIOD - after
             }
         })
+    }
+
+    fn free_running(&self) -> u32 {
+        chosen::free_running()
     }
 
     fn interrupt_now(&self) {

@@ -2,10 +2,11 @@
 
 mod common;
 
-use std::sync::atomic::Ordering;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use common::{Bench, SCHEDULE, image};
 use tempco::{Status, Validity};
+use tempco_firmware::board::mps2_an386::nor::{Nor, REGIONS};
 use tempco_firmware::unit::devices::ResetCause;
 use tempco_firmware::unit::{AXES, CHANNELS, Next, SERIAL};
 use tempco_link::{
@@ -13,6 +14,7 @@ use tempco_link::{
 };
 use tempco_replay::{Replay, Sample as ReplayedSample, Stream};
 use tempco_sensors::SensorFault;
+use tempco_store::Offsets;
 
 /// Time after which a unit has nothing more to remark \[s\].
 const SETTLED_S: f32 = 200.0;
@@ -341,6 +343,240 @@ fn re_zero_takes_out_what_is_left_at_rest_and_is_kept() {
     bench.boot(|bench, unit| {
         bench.connect(unit);
         assert_eq!(bench.telemetry(unit).offset, [0.0; AXES]);
+    });
+}
+
+/// The fault log's entry of the last re-zero that was given up.
+fn given_up(bench: &mut Bench, unit: &mut dyn common::Running) -> Option<(u32, u32)> {
+    let log = bench.log(unit);
+    let entry = log.into_iter().find(|(fault, _)| *fault == Fault::ReZero);
+    entry.map(|(_, entry)| (entry.count, entry.detail))
+}
+
+/// Whatever happens while a re-zero averages, at any time of it: the offsets stay as they were.
+#[test]
+fn re_zero_is_given_up_unless_the_unit_is_valid_and_at_rest() {
+    let mut bench = Bench::with_tables();
+    bench.counts.set(1);
+    let at_rest = Axes::from_slice(&[10.0; AXES]).unwrap();
+    let request = |expected: &Axes| Request::ReZero {
+        averaging_s: 10,
+        expected: expected.clone(),
+    };
+    bench.boot(|bench, unit| {
+        bench.connect(unit);
+        bench.wait(unit, SETTLED_S);
+        bench.done(unit, &request(&at_rest)).unwrap();
+        bench.wait(unit, 11.0);
+        let before = bench.telemetry(unit).offset.clone();
+        assert!(before.iter().all(|offset| (offset - 90.0).abs() < 1.0));
+        assert_eq!(given_up(bench, unit), None);
+
+        let absurd = |value: f32| Axes::from_slice(&[value, 10.0, 10.0]).unwrap();
+        let mut times = 0;
+        for (expected, spoil, reason) in [
+            (absurd(1e30), None, 3),
+            (absurd(-1e30), None, 3),
+            (absurd(-200.0), None, 3),
+            // Two hundred counts a sample, from the beginning on or for the last second.
+            (at_rest.clone(), Some((0.0, 200)), 3),
+            (at_rest.clone(), Some((9.0, 200)), 2),
+            (at_rest.clone(), Some((9.0, 3)), 2),
+        ] {
+            let (from_s, counts) = spoil.unwrap_or((0.0, 1));
+            if from_s == 0.0 {
+                bench.counts.set(counts);
+            }
+            bench.done(unit, &request(&expected)).unwrap();
+            bench.wait(unit, from_s);
+            bench.counts.set(counts);
+            bench.wait(unit, 11.0 - from_s);
+            bench.counts.set(1);
+            let telemetry = bench.telemetry(unit);
+            assert_eq!(telemetry.offset, before, "{expected:?} {spoil:?}");
+            assert!(telemetry.faults.contains(Fault::ReZero), "{spoil:?}");
+            times += 1;
+            assert_eq!(given_up(bench, unit), Some((times, reason << 16)));
+        }
+
+        // A sensor that opens for a moment, at the beginning, in the middle, at the end.
+        for open_s in [0.1, 5.0, 9.8] {
+            bench.done(unit, &request(&at_rest)).unwrap();
+            bench.wait(unit, open_s);
+            bench.readings.borrow_mut()[0] = Err(SensorFault::Open);
+            bench.wait(unit, 0.2);
+            bench.readings.borrow_mut()[0] = Ok(25.0);
+            bench.wait(unit, 11.0);
+            let telemetry = bench.telemetry(unit);
+            assert_eq!(telemetry.offset, before, "{open_s}");
+            times += 1;
+            let (count, detail) = given_up(bench, unit).unwrap();
+            assert_eq!((count, detail >> 16), (times, 1), "{open_s}");
+            bench.wait(unit, SETTLED_S);
+        }
+
+        // One that goes well takes the fault away.
+        assert!(bench.faults(unit).contains(Fault::ReZero));
+        bench.done(unit, &request(&at_rest)).unwrap();
+        bench.wait(unit, 11.0);
+        assert_eq!(bench.faults(unit), FaultSet::NONE);
+    });
+}
+
+#[test]
+fn offsets_can_be_cleared() {
+    let mut bench = Bench::with_tables();
+    bench.counts.set(1);
+    bench.boot(|bench, unit| {
+        bench.connect(unit);
+        bench.wait(unit, SETTLED_S);
+        let request = Request::ReZero {
+            averaging_s: 2,
+            expected: Axes::new(),
+        };
+        bench.done(unit, &request).unwrap();
+        let clear = Request::ClearOffsets;
+        assert_eq!(bench.done(unit, &clear), Err(Refusal::Busy));
+        bench.wait(unit, 3.0);
+        assert!(bench.telemetry(unit).offset[0] > 50.0);
+        bench.done(unit, &clear).unwrap();
+        bench.wait(unit, 1.0);
+        bench.telemetry(unit);
+        bench.wait(unit, 1.0);
+        let telemetry = bench.telemetry(unit);
+        assert_eq!(telemetry.offset, [0.0; AXES]);
+        let outcome = &telemetry.outcome;
+        assert!((telemetry.raw[0] - outcome.bias[0] - outcome.compensated[0]).abs() < 1e-3);
+    });
+    bench.boot(|bench, unit| {
+        bench.connect(unit);
+        assert_eq!(bench.telemetry(unit).offset, [0.0; AXES], "for good");
+    });
+}
+
+/// As an older version may have stored them.
+#[test]
+fn stored_offsets_beyond_the_limit_are_not_used() {
+    let mut bench = Bench::with_tables();
+    for stored in [1e30, -201.0] {
+        let mut flash = Nor(&bench.flash);
+        let mut offsets = Offsets::open(&mut flash, REGIONS.offsets).unwrap();
+        let all = [0.0, stored, 0.0, 0.0, 0.0, 0.0];
+        offsets.set(&mut flash, 0xb, all).unwrap();
+        bench.boot(|bench, unit| {
+            bench.connect(unit);
+            let telemetry = bench.telemetry(unit);
+            assert_eq!(telemetry.offset, [0.0; AXES]);
+            assert!(telemetry.faults.contains(Fault::ReZero));
+            assert_eq!(given_up(bench, unit).unwrap().1, 3 << 16 | 1);
+        });
+    }
+}
+
+#[test]
+fn a_wrong_known_answer_stays_until_a_commanded_test_finds_the_right_one() {
+    static IS_RIGHT: AtomicBool = AtomicBool::new(false);
+    let mut bench = Bench::with_tables();
+    bench.knows_the_answer = || IS_RIGHT.load(Ordering::Relaxed);
+    bench.boot(|bench, unit| {
+        bench.connect(unit);
+        bench.wait(unit, SETTLED_S);
+        let telemetry = bench.telemetry(unit);
+        assert_eq!(telemetry.faults, only(Fault::KnownAnswer));
+        assert!(telemetry.faults.is_invalidating());
+        let test = |bench: &mut Bench, unit: &mut dyn common::Running| {
+            bench.ask(unit, &Request::Bit, |response| match response {
+                Response::Bit { faults } => *faults,
+                other => panic!("{other:?}"),
+            })
+        };
+        assert_eq!(test(bench, unit), only(Fault::KnownAnswer));
+        bench.wait(unit, 10.0);
+        assert_eq!(bench.faults(unit), only(Fault::KnownAnswer));
+        IS_RIGHT.store(true, Ordering::Relaxed);
+        bench.wait(unit, 10.0);
+        assert_eq!(bench.faults(unit), only(Fault::KnownAnswer));
+        assert_eq!(test(bench, unit), FaultSet::NONE);
+    });
+}
+
+#[test]
+fn telemetry_is_of_samples_and_its_time_increases() {
+    let mut bench = Bench::with_tables();
+    bench.counts.set(2);
+    bench.boot(|bench, unit| {
+        bench.connect(unit);
+        bench.wait(unit, SETTLED_S);
+        let request = Request::Telemetry { period_ms: 100 };
+        let mut times = Vec::new();
+        let mut all = Vec::new();
+        // Questions at every phase of the period, several in a row too.
+        for number in 0..40_u8 {
+            for _ in 0..=number % 3 {
+                all.extend(bench.ask(unit, &request, |response| match response {
+                    Response::Telemetry(telemetry) => Some(telemetry.clone()),
+                    _ => None,
+                }));
+            }
+            all.extend(bench.unasked(unit, 0.01 * f32::from(number)));
+        }
+        assert!(all.len() > 100);
+        for telemetry in all {
+            times.push((telemetry.index, telemetry.uptime_ms));
+            assert_eq!(telemetry.raw, [200.0; AXES]);
+            assert!(telemetry.outcome.bias.iter().all(|bias| *bias != 0.0));
+        }
+        for pair in times.windows(2) {
+            assert!(pair[0].0 < pair[1].0 && pair[0].1 < pair[1].1, "{pair:?}");
+        }
+    });
+}
+
+#[test]
+fn periods_without_an_interrupt_are_counted_and_time_goes_on() {
+    let mut bench = Bench::with_tables();
+    bench.boot(|bench, unit| {
+        bench.connect(unit);
+        bench.wait(unit, SETTLED_S);
+        let before = bench.telemetry(unit);
+        let mut missed = 0;
+        for held in [1, 2, 5, 100, 400, 1] {
+            bench.held.set(held);
+            missed += held;
+            bench.wait(unit, 1.0);
+        }
+        let after = bench.telemetry(unit);
+        let samples = after.samples - before.samples;
+        let periods = (after.uptime_ms - before.uptime_ms) / 10;
+        assert_eq!(periods, samples + missed);
+        assert_eq!(after.overruns, missed);
+        assert!(after.faults.contains(Fault::Overrun));
+        let losses = bench.ask(unit, &Request::Losses, |response| match response {
+            Response::Losses(losses) => *losses,
+            other => panic!("{other:?}"),
+        });
+        assert_eq!((losses.missed_samples, losses.moments), (missed, 0));
+        // More moments than can wait are lost to telemetry, not to the output.
+        bench.late.set(199);
+        bench.wait(unit, 1.0);
+        let losses = bench.ask(unit, &Request::Losses, |response| match response {
+            Response::Losses(losses) => *losses,
+            other => panic!("{other:?}"),
+        });
+        assert_eq!((losses.missed_samples, losses.moments), (missed, 200 - 127));
+    });
+}
+
+#[test]
+fn the_unit_states_its_scale_factor() {
+    let mut bench = Bench::new();
+    bench.boot(|bench, unit| {
+        bench.connect(unit);
+        let arcsec = bench.ask(unit, &Request::ScaleFactor, |response| match response {
+            Response::ScaleFactor { arcsec } => *arcsec,
+            other => panic!("{other:?}"),
+        });
+        assert_eq!(arcsec, 0.5);
     });
 }
 

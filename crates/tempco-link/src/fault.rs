@@ -36,7 +36,7 @@ pub enum Fault {
     OutOfRange,
     /// A gyro sample is not a number.
     RawInvalid,
-    /// The outcome of a sample was lost, or samples came too fast.
+    /// A gyro sample was not taken, or the outcome of one was lost.
     Overrun,
     /// A task did not do its work in time.
     Starved,
@@ -50,11 +50,13 @@ pub enum Fault {
     BrownOut,
     /// The crystal does not run: the unit runs from its internal oscillator, which keeps worse time.
     Clock,
+    /// The last re-zero was given up; the constant biases are those before it.
+    ReZero,
 }
 
 impl Fault {
     /// Every fault, by its code.
-    pub const ALL: [Self; 20] = [
+    pub const ALL: [Self; 21] = [
         Self::NoTable,
         Self::SpareTable,
         Self::Flash,
@@ -75,6 +77,7 @@ impl Fault {
         Self::Stack,
         Self::BrownOut,
         Self::Clock,
+        Self::ReZero,
     ];
 
     /// The code, as in a fault log.
@@ -118,6 +121,7 @@ impl Fault {
             Self::Stack => "stack",
             Self::BrownOut => "brown-out",
             Self::Clock => "clock",
+            Self::ReZero => "re-zero",
         }
     }
 }

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::FaultSet;
 
 /// Version of the protocol, major and minor.
-pub const VERSION: (u8, u8) = (1, 0);
+pub const VERSION: (u8, u8) = (1, 1);
 
 /// The most axes of a unit, and so the most temperature channels.
 pub const MAX_AXES: usize = 6;
@@ -57,7 +57,8 @@ pub enum Request<'a> {
     Sample(Sample),
     /// Runs the built-in test; answered by [`Response::Bit`].
     Bit,
-    /// Takes the mean over this time, at rest, as the constant bias from now on.
+    /// Takes the mean over this time, at rest, as the constant bias from now on. Given up with
+    /// [`Fault::ReZero`](crate::Fault::ReZero) where the unit is not valid and at rest all the time.
     ReZero {
         /// Averaging time \[s\].
         averaging_s: u16,
@@ -109,6 +110,12 @@ pub enum Request<'a> {
     /// Passes these through the sampling interrupt instead of samples of the gyro, at the pace of
     /// its timer or as fast as it goes; answered by [`Response::Block`].
     Block(SampleBlock<'a>),
+    /// Sets the constant biases of re-zero to zero, in the store too. Since version 1.1.
+    ClearOffsets,
+    /// Asks for [`Response::ScaleFactor`]. Since version 1.1.
+    ScaleFactor,
+    /// Asks for [`Response::Losses`]. Since version 1.1.
+    Losses,
 }
 
 /// What a unit says.
@@ -177,6 +184,13 @@ pub enum Response<'a> {
     Faults(Vec<FaultEntry, MAX_FAULTS>),
     /// What became of a [`Request::Block`].
     Block(OutcomeBlock<'a>),
+    /// Scale factor of the gyro, by which a unit turns pulses into angles.
+    ScaleFactor {
+        /// Above 0 \[arcsec/pulse\].
+        arcsec: f32,
+    },
+    /// What was lost since power-on.
+    Losses(Losses),
 }
 
 /// Why a request was not carried out.
@@ -295,17 +309,29 @@ pub struct ChannelTelemetry {
     pub status: u16,
 }
 
+/// What a unit has lost since power-on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Losses {
+    /// Gyro samples that were not taken: their sampling interrupt did not come, or too late.
+    pub missed_samples: u32,
+    /// Outcomes of gyro samples that telemetry and re-zero did not see; the output had them.
+    pub moments: u32,
+    /// Outcomes of replayed samples.
+    pub replies: u32,
+}
+
 /// The state of a unit.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Telemetry {
     /// Number of the message since power-on, by which lost ones are seen.
     pub index: u32,
-    /// Time since power-on \[ms\].
+    /// Time since power-on, later than that of the message before \[ms\].
     pub uptime_ms: u32,
     /// Measured temperatures; NaN where there is none \[degC\].
     pub temps_c: Channels<f32>,
-    /// Means of the gyro samples since the message before \[unit of the axis\].
+    /// Means of the gyro samples since the message before, of at least one \[unit of the axis\].
     pub raw: Axes,
     /// What the compensator made of them: means as well.
     pub outcome: Outcome,
@@ -315,7 +341,7 @@ pub struct Telemetry {
     pub samples: u32,
     /// Temperatures that were rejected, of all channels.
     pub rejected: u32,
-    /// Samples whose outcome was lost, or whose interrupt came while the one before was busy.
+    /// Sum of the [`Losses`].
     pub overruns: u32,
     /// Frames that were dropped.
     pub dropped_frames: u32,

@@ -8,7 +8,7 @@ use embedded_storage::nor_flash::NorFlash;
 use crate::journal::Journal;
 use crate::{Region, StoreError};
 
-const MAGIC: u32 = u32::from_le_bytes(*b"TCF2");
+const MAGIC: u32 = u32::from_le_bytes(*b"TCF3");
 
 /// What is known of one fault.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

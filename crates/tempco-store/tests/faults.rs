@@ -149,7 +149,7 @@ fn garbage_is_no_fault() {
 /// As the layout says, and not those of another magic number, right as their CRCs may be.
 #[test]
 fn only_entries_of_its_own_kind_are_faults() {
-    for (magic, expected) in [(b"TCF2", [0, 5, 0]), (b"TCF1", [0; CODES])] {
+    for (magic, expected) in [(b"TCF3", [0, 5, 0]), (b"TCF2", [0; CODES])] {
         let mut flash = Small::new(4);
         let magic = u32::from_le_bytes(*magic);
         let (fault, mark) = ([magic, 1, 9, 5, 1, 0, 0], [magic, u32::MAX, 1, 0, 0, 0, 0]);

@@ -18,11 +18,13 @@ mod image {
     use tempco_firmware::reset::{self, Reason};
     use tempco_firmware::sample_clock::SysTick;
     use tempco_firmware::stack;
-    use tempco_firmware::unit::devices::ResetCause;
+    use tempco_firmware::unit::devices::{Gyro, ResetCause};
     use tempco_firmware::unit::exchange::{Counts, Queues};
+    use tempco_firmware::unit::rezero::Limits;
     use tempco_firmware::unit::storage::Storage;
     use tempco_firmware::unit::{
-        AXES, CHANNELS, IMAGE_LEN, Next, Parts, SCHEDULE, Sampling, Unit, UnitTables, scale,
+        AXES, CHANNELS, IMAGE_LEN, Next, Parts, SCHEDULE, Sampling, Unit, UnitTables, known_answer,
+        scale,
     };
     use tempco_image::AlignedBytes;
 
@@ -81,16 +83,18 @@ mod image {
             tables.map_or(0, |(_, crc)| crc)
         );
 
-        let offsets = storage.offsets(tables.map_or(0, |(_, crc)| crc));
         let queues = singleton!(: Queues<CHANNELS, AXES> = Queues::new())?;
         let (interrupt_ends, ends) = queues.split(&COUNTS);
         let scale = scale::<BoardGyro, CHANNELS, AXES>(image.as_ref(), SCHEDULE.sample_rate_hz);
+        let limits = Limits::of::<BoardGyro>(&scale, SCHEDULE.sample_rate_hz);
+        let offsets = limits.within(storage.offsets(tables.map_or(0, |(_, crc)| crc)));
         let tables_only = tables.map(|(tables, _)| tables);
         let sampling = Sampling::new(gyro, interrupt_ends, tables_only, SCHEDULE, scale, offsets);
         // In its place before the first interrupt, which would else have to move it.
         let sampling = singleton!(: BoardSampling = sampling)?;
 
         let clock = SysTick::start(&mut core.SYST);
+        sampling.start(&clock);
         critical_section::with(|cs| INTERRUPT.borrow(cs).set(Some((sampling, core.SYST))));
         let parts = Parts {
             storage,
@@ -99,7 +103,10 @@ mod image {
             ends,
             clock,
             schedule: SCHEDULE,
+            limits,
+            scale_factor_arcsec: <BoardGyro as Gyro<CHANNELS, AXES>>::SCALE_FACTOR_ARCSEC,
             stack_is_sound: stack::is_sound,
+            knows_the_answer: known_answer::is_right,
         };
         let mut unit = Unit::new(parts, devices, crash);
         while unit.pass() == Next::GoOn {}

@@ -7,6 +7,7 @@
 //!
 //! - `clocks`: 168 MHz from the crystal, from the internal oscillator where that does not start
 //! - `link`: USART1 with a receive interrupt
+//! - `free_running`: timer 7, by which missed samples are counted
 //! - `flash`, [`store`]: six sectors for tables and logs
 //! - `gyro`: counters and the data-ready pin
 //! - `output`, [`frame`]: every sample to USART6 by DMA
@@ -49,6 +50,8 @@ mod clocks;
 #[cfg(all(target_os = "none", feature = "board-stm32f405"))]
 mod flash;
 #[cfg(all(target_os = "none", feature = "board-stm32f405"))]
+mod free_running;
+#[cfg(all(target_os = "none", feature = "board-stm32f405"))]
 mod gyro;
 #[cfg(all(target_os = "none", feature = "board-stm32f405"))]
 mod link;
@@ -66,7 +69,9 @@ mod watchdog;
 #[cfg(all(target_os = "none", feature = "board-stm32f405"))]
 pub use {
     clocks::Source,
+    cortex_m::asm::wfi as idle,
     flash::Sectors,
+    free_running::{FREE_RUNNING_HZ, FREE_RUNNING_MAX, free_running},
     gyro::Counters,
     link::{Errors, Usart},
     sensors::Sensors,

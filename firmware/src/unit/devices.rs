@@ -12,11 +12,26 @@ pub trait Gyro<const C: usize, const A: usize> {
     /// Pulses of the gyro per count; a quarter where every edge of two waves in quadrature counts.
     const PULSES_PER_COUNT: f32;
 
+    /// Scale factor of the gyro, for tables of angles; the link states it \[arcsec/pulse\].
+    const SCALE_FACTOR_ARCSEC: f32;
+
+    /// What it shows at rest; re-zero gives up beyond.
+    const AT_REST: AtRest;
+
     /// Counts since the last call, channel by channel.
     fn counts(&mut self) -> [[i32; A]; C];
 
     /// Sends an outcome to where the unit's output goes.
     fn put(&mut self, outcome: &Outcome<C, A>);
+}
+
+/// What a gyro shows at rest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AtRest {
+    /// Standard deviation of means over the time between two temperatures \[counts/s\].
+    pub sigma: f32,
+    /// The largest constant bias that re-zero may take out \[counts/s\].
+    pub max_bias: f32,
 }
 
 /// The temperature sensors; may wait for a bus, but not for a conversion.
@@ -49,6 +64,17 @@ pub trait SampleClock {
     /// Sleeps until the next interrupt, and returns the counts asleep. Interrupts are carried out
     /// after the time was taken.
     fn sleep(&self) -> u32;
+
+    /// Counts per period of [`free_running`](Self::free_running), at least 5.
+    const FREE_PER_PERIOD: u32;
+
+    /// The largest value of [`free_running`](Self::free_running), all ones. It comes round later
+    /// than the longest time without interrupts ends.
+    const FREE_MAX: u32;
+
+    /// A counter that runs on while interrupts are held back, by which the timer's periods are
+    /// counted.
+    fn free_running(&self) -> u32;
 
     /// Duration of a count \[ns\].
     const COUNT_NS: u32;

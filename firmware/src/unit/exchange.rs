@@ -3,6 +3,7 @@
 use core::sync::atomic::{AtomicU32, Ordering};
 
 use heapless::spsc::{Consumer, Producer, Queue};
+use tempco_link::Losses;
 use tempco_replay::Outcome;
 
 /// Moments that may wait for the main loop: 63 ms at 2 kHz, more than a pass ever takes but for
@@ -34,10 +35,14 @@ pub enum Injected<const C: usize, const A: usize> {
 /// Counts of the sampling interrupt, for all to read.
 #[derive(Debug, Default)]
 pub struct Counts {
-    /// Gyro samples since power-on.
+    /// Gyro samples that were taken since power-on.
     pub samples: AtomicU32,
-    /// Moments that found no place, and interrupts that came while the one before was busy.
-    pub overruns: AtomicU32,
+    /// Periods of the sampling timer in which no sample was taken.
+    pub missed: AtomicU32,
+    /// Moments that found no place.
+    pub lost_moments: AtomicU32,
+    /// Outcomes of replayed samples that found no place.
+    pub lost_replies: AtomicU32,
     /// Longest time from the interrupt to the output \[counts of the timer\].
     pub latency: AtomicU32,
     /// Temperatures that the compensators rejected, of all channels.
@@ -49,15 +54,32 @@ impl Counts {
     pub const fn new() -> Self {
         Self {
             samples: AtomicU32::new(0),
-            overruns: AtomicU32::new(0),
+            missed: AtomicU32::new(0),
+            lost_moments: AtomicU32::new(0),
+            lost_replies: AtomicU32::new(0),
             latency: AtomicU32::new(0),
             rejected: AtomicU32::new(0),
         }
     }
 
-    /// Gyro samples since power-on.
+    /// Gyro samples that were taken since power-on.
     pub fn samples(&self) -> u32 {
         self.samples.load(Ordering::Relaxed)
+    }
+
+    /// Periods of the sampling timer since power-on: the time of the unit.
+    pub fn periods(&self) -> u32 {
+        self.samples()
+            .wrapping_add(self.missed.load(Ordering::Relaxed))
+    }
+
+    /// What was lost since power-on.
+    pub fn losses(&self) -> Losses {
+        Losses {
+            missed_samples: self.missed.load(Ordering::Relaxed),
+            moments: self.lost_moments.load(Ordering::Relaxed),
+            replies: self.lost_replies.load(Ordering::Relaxed),
+        }
     }
 }
 

@@ -7,12 +7,16 @@ use tempco_link::{Fault, FaultSet};
 /// goes is not reported as many.
 const HOLD_MS: u32 = 1000;
 
-/// Faults that stay present until the next reset: nothing that happens later takes them back.
-const LATCHED: [Fault; 4] = [
+/// Faults that stay present until the next reset, or until what they are of has gone well: that
+/// they were not seen again takes nothing back.
+const LATCHED: [Fault; 7] = [
+    Fault::Flash,
+    Fault::KnownAnswer,
     Fault::WatchdogReset,
     Fault::Crash,
     Fault::BrownOut,
     Fault::Clock,
+    Fault::ReZero,
 ];
 
 /// Flags of the compensator, with the faults that they are.
@@ -63,6 +67,11 @@ impl Health {
             *seen_ms = now_ms;
         }
         is_new
+    }
+
+    /// Takes out a fault, as what it is of has gone well.
+    pub fn clear(&mut self, fault: Fault) {
+        self.present = self.present.without(fault.into());
     }
 
     /// Takes out the faults that have not been seen for a while.

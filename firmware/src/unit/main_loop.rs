@@ -7,9 +7,10 @@ use tempco_replay::Schedule;
 use super::devices::{Devices, Flash, Gyro, Link, ResetCause, SampleClock, Thermometers, Watchdog};
 use super::exchange::MainEnds;
 use super::health::LiveNess;
+use super::rezero::{GivenUp, Limits};
 use super::service::Service;
 use super::storage::Storage;
-use super::{SCALE_FACTOR_ARCSEC, UnitTables, WATCHDOG_MS, known_answer};
+use super::{UnitTables, WATCHDOG_MS};
 
 /// Time between two looks at everything that has no time of its own \[ms\].
 const CARE_MS: u32 = 100;
@@ -39,7 +40,7 @@ pub struct Unit<'t, L, F, T, W, K, const C: usize, const A: usize> {
     told_ms: u32,
     cared_ms: u32,
     overruns: u32,
-    /// Counts asleep since `load_from` gyro samples.
+    /// Counts asleep since `load_from` periods of the sampling timer.
     asleep: u64,
     load_from: u32,
     /// Whether the stack keeps its distance from what lies below it.
@@ -60,8 +61,14 @@ pub struct Parts<'t, F, K, const C: usize, const A: usize> {
     pub clock: K,
     /// Rates of both.
     pub schedule: Schedule,
+    /// What re-zero may find.
+    pub limits: Limits<C, A>,
+    /// Scale factor of the gyro \[arcsec/pulse\].
+    pub scale_factor_arcsec: f32,
     /// Whether the stack keeps its distance from what lies below it.
     pub stack_is_sound: fn() -> bool,
+    /// Whether the processor computes what it should: [`known_answer`](super::known_answer).
+    pub knows_the_answer: fn() -> bool,
 }
 
 impl<'t, L, F, T, W, K, const C: usize, const A: usize> Unit<'t, L, F, T, W, K, C, A>
@@ -88,6 +95,10 @@ where
         } = devices;
         let first_session = parts.storage.boot_number() << 16;
         let stack_is_sound = parts.stack_is_sound;
+        let stored = parts
+            .storage
+            .offsets(parts.tables.map_or(0, |(_, crc)| crc));
+        let refused = parts.limits.beyond(&stored);
         let mut service = Service::new(parts, thermometers);
         if let Some(place) = crash {
             service.note(Fault::Crash, place);
@@ -100,9 +111,10 @@ where
         for fault in faults.iter() {
             service.note(fault, 0);
         }
-        if !known_answer::is_right() {
-            service.note(Fault::KnownAnswer, 0);
+        if let Some(axis) = refused {
+            service.note(Fault::ReZero, GivenUp::Bias(axis).detail());
         }
+        service.check_known_answer();
         watchdog.start(WATCHDOG_MS);
         Self {
             link,
@@ -175,6 +187,9 @@ where
         if period_ms == 0 || now_ms.wrapping_sub(self.told_ms) < period_ms {
             return;
         }
+        if !self.service.has_news() {
+            return;
+        }
         self.told_ms = now_ms;
         let telemetry = self.service.telemetry();
         if let Some(frame) = self.server.telemetry(telemetry) {
@@ -209,14 +224,14 @@ where
 
     fn find_load(&mut self) {
         let service = &mut self.service;
-        let samples = service.ends.counts.samples().wrapping_sub(self.load_from);
-        if (samples as f32) < service.schedule.sample_rate_hz * (LOAD_MS / 1000) as f32 {
+        let periods = service.ends.counts.periods().wrapping_sub(self.load_from);
+        if (periods as f32) < service.schedule.sample_rate_hz * (LOAD_MS / 1000) as f32 {
             return;
         }
-        let all = u64::from(samples) * u64::from(service.clock.period());
+        let all = u64::from(periods) * u64::from(service.clock.period());
         let busy = all.saturating_sub(self.asleep);
         service.load_permille = (busy * 1000).checked_div(all).unwrap_or(0) as u16;
-        self.load_from = self.load_from.wrapping_add(samples);
+        self.load_from = self.load_from.wrapping_add(periods);
         self.asleep = 0;
     }
 }
@@ -238,9 +253,9 @@ pub fn scale<G: Gyro<C, A>, const C: usize, const A: usize>(
         core::array::from_fn(|axis| {
             let per_pulse = match unit(channel, axis) {
                 // One arc second per second is one degree per hour.
-                Some(AxisUnit::Dph) => SCALE_FACTOR_ARCSEC,
-                Some(AxisUnit::Dps) => SCALE_FACTOR_ARCSEC / 3600.0,
-                Some(AxisUnit::Radps) => SCALE_FACTOR_ARCSEC * core::f32::consts::PI / 648_000.0,
+                Some(AxisUnit::Dph) => G::SCALE_FACTOR_ARCSEC,
+                Some(AxisUnit::Dps) => G::SCALE_FACTOR_ARCSEC / 3600.0,
+                Some(AxisUnit::Radps) => G::SCALE_FACTOR_ARCSEC * core::f32::consts::PI / 648_000.0,
                 _ => 1.0,
             };
             G::PULSES_PER_COUNT * per_pulse * sample_rate_hz

@@ -58,9 +58,6 @@ pub const SCHEDULE: Schedule = Schedule {
     samples_per_update: 200,
 };
 
-/// Scale factor of the gyro, for units whose table is of angles [arcsec/pulse].
-pub const SCALE_FACTOR_ARCSEC: f32 = 1.0;
-
 /// Time without a sign of life after which the watchdog resets the unit \[ms\].
 pub const WATCHDOG_MS: u32 = 4000;
 

@@ -6,18 +6,17 @@ use heapless::Vec;
 use tempco::Status;
 use tempco_image::{MAX_PLAYS, MAX_SLOW_PARTS};
 use tempco_link::{
-    Axes, Channels, Fault, FaultSet, Handler, MAX_BLOCK, MAX_CHUNK, Outcome, Refusal, Request,
-    Response, Telemetry,
+    Axes, Channels, Fault, FaultSet, Handler, Losses, MAX_BLOCK, MAX_CHUNK, Outcome, Refusal,
+    Request, Response, Telemetry,
 };
 use tempco_replay::{Replay, Schedule};
 
 use super::devices::{Flash, SampleClock, Thermometers};
 use super::exchange::{MainEnds, Moment};
 use super::health::{Health, faults_of};
-use super::known_answer;
 use super::main_loop::Parts;
 use super::replays::{axes, channels, per_axis};
-use super::rezero::{Mean, ReZero};
+use super::rezero::{GivenUp, Limits, Mean, ReZero};
 use super::storage::{Storage, bank_of};
 use super::thermometry::Thermometry;
 use super::{SERIAL, UnitTables};
@@ -38,6 +37,9 @@ pub struct Service<'t, F, T, K, const C: usize, const A: usize> {
     /// Tables in use and their CRC.
     pub(super) tables: Option<(&'t UnitTables<'t, C, A>, u32)>,
     pub(super) offsets: [[f32; A]; C],
+    limits: Limits<C, A>,
+    scale_factor_arcsec: f32,
+    knows_the_answer: fn() -> bool,
     pub(super) load_permille: u16,
     pub(super) dropped_frames: u32,
     pub(super) period_ms: u32,
@@ -51,8 +53,10 @@ pub struct Service<'t, F, T, K, const C: usize, const A: usize> {
     /// Gyro samples when the first temperatures were sent to the interrupt.
     started_at: Option<u32>,
     telemetry_index: u32,
-    /// Gyro samples and time since power-on, as of the last look.
-    samples: u64,
+    /// Time of the last message.
+    told_ms: Option<u32>,
+    /// Periods of the sampling timer and time since power-on, as of the last look.
+    periods: u64,
     now_ms: u32,
     /// Compensated samples of the last block.
     pub(super) block: Vec<u8, MAX_BLOCK>,
@@ -75,6 +79,9 @@ where
             ends,
             clock,
             schedule,
+            limits,
+            scale_factor_arcsec,
+            knows_the_answer,
             ..
         } = parts;
         Self {
@@ -86,6 +93,9 @@ where
             schedule,
             tables,
             offsets,
+            limits,
+            scale_factor_arcsec,
+            knows_the_answer,
             load_permille: 0,
             dropped_frames: 0,
             period_ms: 0,
@@ -98,7 +108,8 @@ where
             last: None,
             started_at: None,
             telemetry_index: 0,
-            samples: 0,
+            told_ms: None,
+            periods: 0,
             now_ms: 0,
             block: Vec::new(),
         }
@@ -112,10 +123,10 @@ where
 
     fn look_at_time(&mut self) {
         // The interrupt counts 32 bits, of which these are the continuation.
-        let since = self.ends.counts.samples().wrapping_sub(self.samples as u32);
-        self.samples += u64::from(since);
+        let since = self.ends.counts.periods().wrapping_sub(self.periods as u32);
+        self.periods += u64::from(since);
         let per_s = (self.schedule.sample_rate_hz as u64).max(1);
-        self.now_ms = (self.samples * 1000 / per_s) as u32;
+        self.now_ms = (self.periods * 1000 / per_s) as u32;
     }
 
     /// Notes a fault, in the log too if it is new.
@@ -125,7 +136,7 @@ where
             return;
         }
         crate::warn!("fault {}: {=u32}", fault, detail);
-        let uptime_s = (self.samples as f32 / self.schedule.sample_rate_hz) as u32;
+        let uptime_s = (self.periods as f32 / self.schedule.sample_rate_hz) as u32;
         let recorded = self.storage.record(fault, uptime_s, detail);
         if recorded.is_err() && fault != Fault::Flash {
             self.health.note(Fault::Flash, now_ms);
@@ -140,16 +151,11 @@ where
         self.raw.add(moment.raw.each_ref());
         self.bias.add(bias);
         self.compensated.add(compensated);
-        if let Some(rezero) = &mut self.rezero
-            && let Some(found) = rezero.add(compensated)
-        {
-            self.rezero = None;
-            self.set_offsets(found);
-        }
         let mut status = Status::OK;
         for channel in channels {
             status |= channel.flags();
         }
+        self.average(compensated, status);
         self.last = Some(*moment);
         if !self.is_started() {
             return;
@@ -171,28 +177,68 @@ where
             .is_some_and(|start| samples.wrapping_sub(start) > two_updates)
     }
 
-    /// What was found at rest comes on top of what was taken out already. It takes effect once it
-    /// is kept.
-    fn set_offsets(&mut self, found: PerAxis<C, A>) {
+    /// Gives a sample to the re-zero that is under way.
+    fn average(&mut self, compensated: [&[f32; A]; C], status: Status) {
+        let Some(rezero) = &mut self.rezero else {
+            return;
+        };
+        let result = match rezero.add(compensated, status) {
+            Ok(None) => return,
+            Ok(Some(found)) => self.set_offsets(&found),
+            Err(reason) => Err(reason),
+        };
+        self.rezero = None;
+        if let Err(reason) = result {
+            self.note(Fault::ReZero, reason.detail());
+        }
+    }
+
+    /// What was found at rest comes on top of what was taken out already.
+    fn set_offsets(&mut self, found: &PerAxis<C, A>) -> Result<(), GivenUp> {
         let mut offsets = self.offsets;
-        for (offsets, found) in offsets.iter_mut().zip(&found) {
+        for (offsets, found) in offsets.iter_mut().zip(found) {
             for (offset, found) in offsets.iter_mut().zip(found) {
                 *offset += found;
             }
         }
-        let table_crc = self.tables.map_or(0, |(_, crc)| crc);
-        match self.storage.set_offsets(table_crc, &offsets) {
-            Ok(()) => {
-                self.offsets = offsets;
-                // Cannot fail: the interrupt has long taken the ones before.
-                _ = self.ends.offsets.enqueue(offsets);
-                crate::info!("re-zero: {}", offsets);
-            }
-            Err(error) => {
-                crate::warn!("re-zero: {}", error);
-                self.note(Fault::Flash, 0);
+        match self.limits.beyond(&offsets) {
+            Some(axis) => Err(GivenUp::Bias(axis)),
+            None => {
+                // A failing flash is a fault of its own.
+                _ = self.keep_offsets(offsets);
+                Ok(())
             }
         }
+    }
+
+    /// Offsets take effect once they are kept.
+    fn keep_offsets(&mut self, offsets: PerAxis<C, A>) -> Result<(), Refusal> {
+        let table_crc = self.tables.map_or(0, |(_, crc)| crc);
+        if let Err(error) = self.storage.set_offsets(table_crc, &offsets) {
+            crate::warn!("offsets: {}", error);
+            self.note(Fault::Flash, 0);
+            return Err(Refusal::Store);
+        }
+        self.offsets = offsets;
+        // Cannot fail: who changes them makes sure that the interrupt has taken the ones before.
+        _ = self.ends.offsets.enqueue(offsets);
+        crate::info!("offsets: {}", offsets);
+        Ok(())
+    }
+
+    /// Whether offsets can be changed: no averaging is under way, and the interrupt has taken the
+    /// ones before.
+    fn can_change_offsets(&self) -> bool {
+        self.rezero.is_none() && self.ends.offsets.ready()
+    }
+
+    fn clear_offsets(&mut self) -> Result<(), Refusal> {
+        if !self.can_change_offsets() {
+            return Err(Refusal::Busy);
+        }
+        self.keep_offsets([[0.0; A]; C])?;
+        self.health.clear(Fault::ReZero);
+        Ok(())
     }
 
     /// Reads the thermometers, and sends their temperatures to the interrupt.
@@ -208,19 +254,26 @@ where
         }
     }
 
-    /// The state now; means begin anew.
+    /// Whether there is a sample, and a later time, since the message before.
+    pub(super) fn has_news(&self) -> bool {
+        self.raw.count() > 0 && self.told_ms != Some(self.now_ms)
+    }
+
+    /// The state now, and means since the message before.
     pub(super) fn telemetry(&mut self) -> Telemetry {
-        let (channels, faults) = match &self.last {
-            Some(moment) => (channels(&moment.outcome), self.health.present()),
-            None => (Channels::new(), self.health.present()),
+        self.told_ms = Some(self.now_ms);
+        let channels = match &self.last {
+            Some(moment) => channels(&moment.outcome),
+            None => Channels::new(),
         };
+        let losses = self.ends.counts.losses();
         let counts = self.ends.counts;
         let mean = |mean: &mut Mean<C, A>| axes(&core::mem::take(mean).means());
         let latency = u64::from(counts.latency.load(Ordering::Relaxed));
         self.telemetry_index = self.telemetry_index.wrapping_add(1);
         Telemetry {
             index: self.telemetry_index,
-            uptime_ms: self.now_ms(),
+            uptime_ms: self.now_ms,
             temps_c: self.thermometry.temps_c().into_iter().collect(),
             raw: mean(&mut self.raw),
             outcome: Outcome {
@@ -231,18 +284,47 @@ where
             offset: axes(&self.offsets),
             samples: counts.samples(),
             rejected: counts.rejected.load(Ordering::Relaxed),
-            overruns: counts.overruns.load(Ordering::Relaxed),
+            overruns: sum(&losses),
             dropped_frames: self.dropped_frames,
-            faults,
+            faults: self.health.present(),
             load_permille: self.load_permille,
             latency_ns: (latency * u64::from(K::COUNT_NS)) as u32,
         }
     }
 
+    /// The state as soon as there is a sample to tell of, which there is unless the interrupt has
+    /// stopped.
+    fn next_telemetry(&mut self) -> Response<'static> {
+        let patience = 2 + self.schedule.sample_rate_hz as u32 / 1000;
+        let from = self.ends.counts.periods();
+        loop {
+            self.drain();
+            if self.has_news() {
+                return Response::Telemetry(self.telemetry());
+            }
+            if self.ends.counts.periods().wrapping_sub(from) > patience {
+                return Response::Refused(Refusal::Busy);
+            }
+            self.clock.sleep();
+        }
+    }
+
+    /// Whether this processor still computes what it should.
+    pub(super) fn check_known_answer(&mut self) {
+        if (self.knows_the_answer)() {
+            self.health.clear(Fault::KnownAnswer);
+        } else {
+            self.note(Fault::KnownAnswer, 0);
+        }
+    }
+
     /// The test on command, which is the one after power-on and the whole store besides.
     fn built_in_test(&mut self) -> FaultSet {
-        if !known_answer::is_right() {
-            self.note(Fault::KnownAnswer, 0);
+        self.check_known_answer();
+        // What could not be written before is written now, if it can be.
+        match self.storage.flush() {
+            Ok(()) => self.health.clear(Fault::Flash),
+            Err(_) => self.note(Fault::Flash, 0),
         }
         self.storage.check_all();
         self.note_tables();
@@ -265,9 +347,9 @@ where
         }
     }
 
-    /// Outcomes that were lost and interrupts that came too early.
+    /// Samples that were missed and outcomes that were lost.
     pub(super) fn overruns(&self) -> u32 {
-        self.ends.counts.overruns.load(Ordering::Relaxed)
+        sum(&self.ends.counts.losses())
     }
 
     /// Takes what the interrupt has measured.
@@ -288,16 +370,30 @@ where
             |expected: &PerAxis<C, A>| expected.as_flattened().iter().all(|v| v.is_finite());
         match expected.filter(is_finite) {
             Some(expected) if (1..=MAX_AVERAGING_S).contains(&averaging_s) => {
-                if self.rezero.is_some() || self.health.present().is_invalidating() {
+                if !self.can_change_offsets() || self.health.present().is_invalidating() {
                     return Response::Refused(Refusal::Busy);
                 }
                 let samples = f32::from(averaging_s) * self.schedule.sample_rate_hz;
-                self.rezero = Some(ReZero::new(samples as u32, expected));
+                let short = self.schedule.samples_per_update.into();
+                let rezero = ReZero::new(samples as u32, expected, short, self.limits);
+                self.rezero = Some(rezero);
+                self.health.clear(Fault::ReZero);
                 Response::Done
             }
             _ => Response::Refused(Refusal::Unknown),
         }
     }
+}
+
+const fn sum(losses: &Losses) -> u32 {
+    let Losses {
+        missed_samples,
+        moments,
+        replies,
+    } = *losses;
+    missed_samples
+        .saturating_add(moments)
+        .saturating_add(replies)
 }
 
 impl<F, T, K, const C: usize, const A: usize> Handler for Service<'_, F, T, K, C, A>
@@ -326,7 +422,7 @@ where
             },
             Request::Telemetry { period_ms } => {
                 self.period_ms = period_ms;
-                Response::Telemetry(self.telemetry())
+                self.next_telemetry()
             }
             Request::Sample(sample) => self.step(&sample),
             Request::Restart => {
@@ -341,6 +437,11 @@ where
                 averaging_s,
                 expected,
             } => self.re_zero(averaging_s, &expected),
+            Request::ClearOffsets => done(self.clear_offsets()),
+            Request::ScaleFactor => Response::ScaleFactor {
+                arcsec: self.scale_factor_arcsec,
+            },
+            Request::Losses => Response::Losses(self.ends.counts.losses()),
             Request::SelectBank(bank) => done(self.storage.select::<C, A>(bank)),
             Request::UploadBegin { len } => match self.storage.upload_begin(len) {
                 Ok(()) => Response::Expected { offset: 0 },

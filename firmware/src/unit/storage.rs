@@ -7,9 +7,10 @@ use tempco_store::{Active, Checked, FaultLog, Offsets, Slot, SlotState, Store, S
 use super::SERIAL;
 use super::devices::{Flash, Regions};
 
-/// Faults in the log: those of the link, and the number of boots behind them.
-const CODES: usize = Fault::ALL.len() + 1;
-const BOOTS: usize = Fault::ALL.len();
+/// Codes in the log: those that a set of faults can have, and the number of boots behind them,
+/// where it stays when there are more faults.
+const CODES: usize = BOOTS + 1;
+const BOOTS: usize = u32::BITS as usize;
 
 /// Slices of 64 bytes that one pass of the main loop checks.
 const SLICES: u32 = 4;
@@ -111,7 +112,7 @@ impl<'t, F: Flash> Storage<'t, F> {
         occurred.map(entry).take(MAX_FAULTS).collect()
     }
 
-    /// The constant biases that re-zero has found with a table.
+    /// The constant biases that re-zero has found with a table, as they are kept.
     pub fn offsets<const C: usize, const A: usize>(&self, table_crc: u32) -> [[f32; A]; C] {
         let all = self.offsets.of(table_crc);
         let mut all = all.into_iter();

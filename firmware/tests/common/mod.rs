@@ -11,9 +11,11 @@ use embedded_io::{ErrorType, Read, ReadReady, Write};
 use tempco_firmware::board::mps2_an386::nor::{Nor, REGIONS, WORDS};
 use tempco_firmware::table;
 use tempco_firmware::unit::devices::{
-    Devices, Gyro, ResetCause, SampleClock, Thermometers, Watchdog,
+    AtRest, Devices, Gyro, ResetCause, SampleClock, Thermometers, Watchdog,
 };
 use tempco_firmware::unit::exchange::{Counts, Queues};
+use tempco_firmware::unit::known_answer;
+use tempco_firmware::unit::rezero::Limits;
 use tempco_firmware::unit::storage::Storage;
 use tempco_firmware::unit::{
     AXES, CHANNELS, IMAGE_LEN, Next, Parts, SERIAL, Sampling, Unit, UnitTables, scale,
@@ -39,6 +41,10 @@ pub(crate) struct Bench {
     pub(crate) fed: Rc<Cell<u32>>,
     /// Interrupts that come during the next pass, beyond the one that each sleep ends with.
     pub(crate) late: Rc<Cell<u32>>,
+    /// Periods for which the next interrupt is held back, as while a flash is erased.
+    pub(crate) held: Rc<Cell<u32>>,
+    /// In place of the test by the known answer.
+    pub(crate) knows_the_answer: fn() -> bool,
     line: Line,
     client: Client,
 }
@@ -104,6 +110,12 @@ struct Counter(Rc<Cell<i32>>);
 
 impl<const C: usize, const A: usize> Gyro<C, A> for Counter {
     const PULSES_PER_COUNT: f32 = 1.0;
+    const SCALE_FACTOR_ARCSEC: f32 = 0.5;
+    /// At 100 Hz, up to two counts per sample of constant bias.
+    const AT_REST: AtRest = AtRest {
+        sigma: 10.0,
+        max_bias: 200.0,
+    };
 
     fn counts(&mut self) -> [[i32; A]; C] {
         [[self.0.get(); A]; C]
@@ -125,15 +137,21 @@ impl Watchdog for Dog {
 }
 
 /// Every sleep ends with an interrupt that is due.
-struct Timer<'t>(
-    Rc<RefCell<Sampling<'t, Counter, CHANNELS, AXES>>>,
-    Rc<Cell<u32>>,
-);
+struct Timer<'t> {
+    sampling: Rc<RefCell<Sampling<'t, Counter, CHANNELS, AXES>>>,
+    inside: Inside,
+    late: Rc<Cell<u32>>,
+    held: Rc<Cell<u32>>,
+}
 
-struct Inside;
+/// The clock as the interrupt sees it, with the periods that have begun.
+#[derive(Clone, Default)]
+struct Inside(Rc<Cell<u32>>);
 
 impl SampleClock for Inside {
     const COUNT_NS: u32 = 40;
+    const FREE_PER_PERIOD: u32 = 5;
+    const FREE_MAX: u32 = 0xffff;
 
     fn since_interrupt(&self) -> u32 {
         17
@@ -147,29 +165,41 @@ impl SampleClock for Inside {
         0
     }
 
+    fn free_running(&self) -> u32 {
+        (self.0.get() * Self::FREE_PER_PERIOD) & Self::FREE_MAX
+    }
+
     fn interrupt_now(&self) {}
 }
 
 impl SampleClock for Timer<'_> {
-    const COUNT_NS: u32 = 40;
+    const COUNT_NS: u32 = Inside::COUNT_NS;
+    const FREE_PER_PERIOD: u32 = Inside::FREE_PER_PERIOD;
+    const FREE_MAX: u32 = Inside::FREE_MAX;
 
     fn since_interrupt(&self) -> u32 {
-        0
+        self.inside.since_interrupt()
     }
 
     fn period(&self) -> u32 {
-        12_500
+        self.inside.period()
     }
 
     fn sleep(&self) -> u32 {
-        for _ in 0..=self.1.take() {
-            self.0.borrow_mut().interrupt(true, &Inside);
+        for _ in 0..=self.late.take() {
+            let periods = &self.inside.0;
+            periods.set(periods.get() + 1 + self.held.take());
+            self.sampling.borrow_mut().interrupt(true, &self.inside);
         }
         10_000
     }
 
+    fn free_running(&self) -> u32 {
+        self.inside.free_running()
+    }
+
     fn interrupt_now(&self) {
-        self.0.borrow_mut().interrupt(false, &Inside);
+        self.sampling.borrow_mut().interrupt(false, &self.inside);
     }
 }
 
@@ -201,6 +231,8 @@ impl Bench {
             counts: Rc::default(),
             fed: Rc::default(),
             late: Rc::default(),
+            held: Rc::default(),
+            knows_the_answer: known_answer::is_right,
             line: Line::default(),
             client: Client::new(),
         }
@@ -229,13 +261,15 @@ impl Bench {
         let counts = Counts::new();
         let mut queues = Queues::new();
         let (interrupt_ends, ends) = queues.split(&counts);
-        let offsets = storage.offsets(table_crc);
+        let scale = scale::<Counter, CHANNELS, AXES>(image.as_ref(), SCHEDULE.sample_rate_hz);
+        let limits = Limits::of::<Counter>(&scale, SCHEDULE.sample_rate_hz);
+        let offsets = limits.within(storage.offsets(table_crc));
         let sampling = Sampling::new(
             Counter(self.counts.clone()),
             interrupt_ends,
             tables.as_ref(),
             SCHEDULE,
-            scale::<Counter, CHANNELS, AXES>(image.as_ref(), SCHEDULE.sample_rate_hz),
+            scale,
             offsets,
         );
         let parts = Parts {
@@ -243,9 +277,17 @@ impl Bench {
             tables: tables.as_ref().map(|tables| (tables, table_crc)),
             offsets,
             ends,
-            clock: Timer(Rc::new(RefCell::new(sampling)), self.late.clone()),
+            clock: Timer {
+                sampling: Rc::new(RefCell::new(sampling)),
+                inside: Inside::default(),
+                late: self.late.clone(),
+                held: self.held.clone(),
+            },
             schedule: SCHEDULE,
+            limits,
+            scale_factor_arcsec: <Counter as Gyro<CHANNELS, AXES>>::SCALE_FACTOR_ARCSEC,
             stack_is_sound: || true,
+            knows_the_answer: self.knows_the_answer,
         };
         let devices = Devices {
             link: self.line.clone(),
@@ -335,6 +377,21 @@ impl Bench {
             Response::Telemetry(telemetry) => telemetry.clone(),
             other => panic!("{other:?}"),
         })
+    }
+
+    /// Messages of telemetry that came unasked.
+    pub(crate) fn unasked(&mut self, unit: &mut dyn Running, time_s: f32) -> Vec<Telemetry> {
+        let mut all = Vec::new();
+        for _ in 0..(time_s * SCHEDULE.sample_rate_hz) as u32 {
+            unit.pass();
+            let bytes: Vec<u8> = self.line.from_unit.borrow_mut().drain(..).collect();
+            for byte in bytes {
+                if let Some(Event::Telemetry(telemetry)) = self.client.receive(byte) {
+                    all.push(telemetry);
+                }
+            }
+        }
+        all
     }
 
     pub(crate) fn faults(&mut self, unit: &mut dyn Running) -> FaultSet {

@@ -43,7 +43,8 @@ pub enum MachineTime {
         shift: u8,
     },
     /// By 2^n ns per instruction, and at once to the next event while the processor sleeps: nothing
-    /// in it depends on the host's time any more.
+    /// in it depends on the host's time any more. A processor that sleeps misses every other event
+    /// of a timer; the application stays awake on emulated boards.
     Unbound {
         /// n.
         shift: u8,

@@ -16,6 +16,18 @@ pub type BoardGyro = BenchGyro;
 /// The flash that holds the store.
 pub type BoardFlash = Nor<'static>;
 
+pub use crate::idle::stay_awake as idle;
+
+/// Rate of [`free_running`], which is that of the processor \[Hz\].
+pub const FREE_RUNNING_HZ: u32 = 25_000_000;
+/// Its largest value.
+pub const FREE_RUNNING_MAX: u32 = u32::MAX;
+
+/// A counter that nothing stops: timer 1.
+pub fn free_running() -> u32 {
+    registers::timer_counts()
+}
+
 /// Sets the board up. Once.
 pub fn take(
     core: &mut cortex_m::Peripherals,
@@ -25,6 +37,7 @@ pub fn take(
     BoardGyro,
 )> {
     let flash = Nor(registers::flash());
+    registers::start_timer();
     let devices = Devices {
         link: Uart::link()?,
         thermometers: BenchThermometers::new(Uart::bench()?),
@@ -84,6 +97,14 @@ pub(super) mod registers {
         clear: RW<u32>,
     }
 
+    #[repr(C)]
+    struct TimerRegisters {
+        control: RW<u32>,
+        value: RW<u32>,
+        reload: RW<u32>,
+    }
+
+    const TIMER_ENABLE: u32 = 1;
     const WATCHDOG_ENABLE: u32 = 1;
     const WATCHDOG_RESET: u32 = 2;
 
@@ -92,7 +113,7 @@ pub(super) mod registers {
     // is RAM that the linker does not use; any bits are an `AtomicU32`.
     #[allow(unsafe_code)]
     mod at {
-        use super::{AtomicU32, RW, WORDS, WatchdogRegisters, uart};
+        use super::{AtomicU32, RW, TimerRegisters, WORDS, WatchdogRegisters, uart};
 
         pub(super) fn uart0() -> &'static uart::Registers {
             // SAFETY: as said of the module.
@@ -101,6 +122,10 @@ pub(super) mod registers {
         pub(super) fn uart1() -> &'static uart::Registers {
             // SAFETY: as said of the module.
             unsafe { &*core::ptr::with_exposed_provenance(0x4000_5000) }
+        }
+        pub(super) fn timer1() -> &'static TimerRegisters {
+            // SAFETY: as said of the module.
+            unsafe { &*core::ptr::with_exposed_provenance(0x4000_1000) }
         }
         pub(super) fn watchdog() -> &'static WatchdogRegisters {
             // SAFETY: as said of the module.
@@ -134,6 +159,17 @@ pub(super) mod registers {
 
     pub(in super::super) fn put_lamps(value: u32) {
         at::write(at::lamps(), value);
+    }
+
+    pub(super) fn start_timer() {
+        at::write(&at::timer1().reload, u32::MAX);
+        at::write(&at::timer1().value, u32::MAX);
+        at::write(&at::timer1().control, TIMER_ENABLE);
+    }
+
+    /// It counts down.
+    pub(super) fn timer_counts() -> u32 {
+        u32::MAX - at::timer1().value.read()
     }
 
     pub(super) fn start_watchdog(counts: u32) {

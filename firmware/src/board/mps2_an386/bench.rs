@@ -18,7 +18,7 @@ use tempco_sensors::SensorFault;
 
 use super::application::registers;
 use super::uart::Uart;
-use crate::unit::devices::{Gyro, Thermometers};
+use crate::unit::devices::{AtRest, Gyro, Thermometers};
 
 const BEGIN: u8 = 0xa5;
 const MAX: usize = 6;
@@ -121,6 +121,12 @@ impl BenchGyro {
 
 impl<const C: usize, const A: usize> Gyro<C, A> for BenchGyro {
     const PULSES_PER_COUNT: f32 = 1.0;
+    const SCALE_FACTOR_ARCSEC: f32 = 1.0;
+    /// Up to five counts per sample of constant bias.
+    const AT_REST: AtRest = AtRest {
+        sigma: 10.0,
+        max_bias: 10_000.0,
+    };
 
     fn counts(&mut self) -> [[i32; A]; C] {
         let mut counts = COUNTS.iter().map(|counts| counts.load(Ordering::Relaxed));

@@ -17,7 +17,7 @@ use tempco_sensors::SensorFault;
 
 use crate::board::mps2_an386::nor::{self, Nor};
 use crate::reset::{self, Reason};
-use crate::unit::devices::{Devices, Gyro, ResetCause, Thermometers, Watchdog};
+use crate::unit::devices::{AtRest, Devices, Gyro, ResetCause, Thermometers, Watchdog};
 
 /// The gyro.
 pub type BoardGyro = Counter;
@@ -25,6 +25,20 @@ pub type BoardGyro = Counter;
 pub type BoardFlash = Nor<'static>;
 /// Where the store is in the flash.
 pub use nor::REGIONS;
+
+/// On a chip of its own this is `cortex_m::asm::wfi`.
+pub use crate::idle::stay_awake as idle;
+
+/// Rate of [`free_running`], a multiple of the sample rate \[Hz\].
+pub const FREE_RUNNING_HZ: u32 = CLOCK_HZ;
+/// Its largest value.
+pub const FREE_RUNNING_MAX: u32 = u32::MAX;
+
+/// A counter that nothing stops, sleep included.
+pub fn free_running() -> u32 {
+    // It counts down.
+    u32::MAX - Register::FreeValue.read()
+}
 
 /// Clock of the peripherals \[Hz\].
 const CLOCK_HZ: u32 = 25_000_000;
@@ -38,6 +52,9 @@ pub fn take(
     BoardFlash,
     BoardGyro,
 )> {
+    Register::FreeReload.write(u32::MAX);
+    Register::FreeValue.write(u32::MAX);
+    Register::FreeControl.write(1);
     let devices = Devices {
         link: Line::start(core)?,
         thermometers: Thermometer,
@@ -66,6 +83,11 @@ impl Counter {
 
 impl<const C: usize, const A: usize> Gyro<C, A> for Counter {
     const PULSES_PER_COUNT: f32 = 1.0;
+    const SCALE_FACTOR_ARCSEC: f32 = 1.0;
+    const AT_REST: AtRest = AtRest {
+        sigma: 10.0,
+        max_bias: 100.0,
+    };
 
     fn counts(&mut self) -> [[i32; A]; C] {
         let now = Register::TimerValue.read();
@@ -215,6 +237,9 @@ enum Register {
     TimerControl = 0x4000_0000,
     TimerValue = 0x4000_0004,
     TimerReload = 0x4000_0008,
+    FreeControl = 0x4000_1000,
+    FreeValue = 0x4000_1004,
+    FreeReload = 0x4000_1008,
     UartData = 0x4000_4000,
     UartState = 0x4000_4004,
     UartControl = 0x4000_4008,

@@ -13,7 +13,7 @@ use stm32f4xx_hal::rcc::Rcc;
 use tempco_replay::Outcome;
 
 use super::{AXES, frame, output};
-use crate::unit::devices::Gyro;
+use crate::unit::devices::{AtRest, Gyro};
 
 /// What the counters are made of.
 pub(super) struct Parts {
@@ -64,6 +64,15 @@ impl Counters {
 impl<const C: usize, const A: usize> Gyro<C, A> for Counters {
     /// Every edge of two waves counts.
     const PULSES_PER_COUNT: f32 = 0.25;
+
+    const SCALE_FACTOR_ARCSEC: f32 = 1.0;
+
+    /// An edge more or less in a tenth of a second is 10 counts/s; 25 pulses/s are the Earth's rate
+    /// and a bias of 10 deg/h.
+    const AT_REST: AtRest = AtRest {
+        sigma: 10.0,
+        max_bias: 100.0,
+    };
 
     fn counts(&mut self) -> [[i32; A]; C] {
         const { assert!(C * A <= AXES, "the board has three axes") };

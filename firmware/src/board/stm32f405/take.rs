@@ -9,6 +9,7 @@ use tempco_link::{Fault, FaultSet};
 
 use super::clocks::{self, Source};
 use super::flash::Sectors;
+use super::free_running;
 use super::gyro::{self, Counters};
 use super::link::Usart;
 use super::output::Output;
@@ -68,6 +69,7 @@ pub fn set_up(core: &mut Peripherals) -> Option<Stm32f405> {
         core.SCB.set_priority(SystemHandler::SysTick, SAMPLING);
     }
 
+    free_running::start(chip.TIM7, rcc);
     let feeder = Feeder::new(chip.IWDG, &chip.DBGMCU)?;
     let selects = [
         a.pa4.into_push_pull_output_in_state(PinState::High).erase(),
