@@ -17,8 +17,8 @@ use tempco_fit::load_set;
 use tempco_hil::{Patience, Unit, open, replay};
 use tempco_image::{AlignedBytes, Image};
 use tempco_qemu::{Board, Machine, MachineOptions};
-use tempco_tests::Bench;
 use tempco_tests::rig::{SERIAL, image};
+use tempco_tests::{Bench, root};
 
 /// A folder with a set of the unit `serial`, in `set`, and two logs: `log.csv`, and `fast.csv` of
 /// the units' sample rate.
@@ -62,7 +62,7 @@ fn simulated(bench: &Bench, serial: &str) -> (PathBuf, Arc<Mutex<Flash>>) {
 #[test]
 fn a_set_goes_into_the_emulated_unit_and_logs_through_it_bit_for_bit() {
     let bench = fitted(SERIAL);
-    // What is slept is skipped, so that nothing waits for the time of this machine.
+    // Nothing waits for the time of this machine.
     let options = MachineOptions {
         extra: ["-icount", "shift=5,sleep=off"].map(str::to_owned).to_vec(),
         ..MachineOptions::default()
@@ -264,5 +264,50 @@ fn a_unit_is_watched_line_by_line() {
     );
     let faults = bench.ok(&format!("faults --port {port}"));
     assert!(faults.contains("| sensor stuck"), "{faults}");
-    assert_eq!(faults.lines().count(), 2 + 11, "{faults}");
+    assert_eq!(faults.lines().count(), 2 + 11 + 1, "{faults}");
+    let lost = "lost since power-on: 3 gyro samples, 0 outcomes for telemetry, 0 of replays\n";
+    assert!(faults.ends_with(lost), "{faults}");
+}
+
+/// A set in deg/h from pulses of 0.5 arcsec, into a unit whose pulses are of 1 arcsec.
+#[test]
+fn a_set_of_another_scale_factor_is_refused() {
+    let bench = Bench::new();
+    bench.ok("simulate --unit paper --profile short --seed 5 --out long.csv");
+    let ran = bench
+        .run("fit long.csv --serial SN1 --scale-factor 0.5 --out set --segments 6:45 --no-report");
+    assert!(ran.code < 2, "{}", ran.err);
+    let (port, flash) = simulated(&bench, "SN1");
+    let port = port.display();
+    let fitted = "fitted with 0.5 arcsec per pulse, but the unit turns pulses into angles by 1 ";
+    for (command, expected) in [
+        ("set/coefficients.json", fitted),
+        ("set/table.bin --scale-factor 0.5", fitted),
+        ("set/table.bin", "does not say by how many arcsec"),
+        (
+            "set/coefficients.json --scale-factor 1",
+            "--scale-factor 1: the set was fitted with 0.5",
+        ),
+    ] {
+        let ran = bench.run(&format!("flash-set {command} --port {port}"));
+        assert_eq!(ran.code, 2, "{command}: {}", ran.err);
+        assert!(ran.err.contains(expected), "{command}: {}", ran.err);
+        assert!(flash.lock().unwrap().banks.iter().all(Vec::is_empty));
+    }
+    flash.lock().unwrap().scale_factor_arcsec = Some(0.5);
+    bench.ok(&format!("flash-set set/coefficients.json --port {port}"));
+    bench.ok(&format!(
+        "flash-set set/table.bin --scale-factor 0.5 --port {port}"
+    ));
+}
+
+#[test]
+fn the_default_baud_rate_is_that_of_the_boards() {
+    let bench = Bench::new();
+    let link = fs::read_to_string(root().join("firmware/src/board/stm32f405/link.rs")).unwrap();
+    assert!(link.contains("921_600"), "the board's");
+    for command in ["flash-set", "monitor", "faults", "replay"] {
+        let help = bench.ok(&format!("{command} --help"));
+        assert!(help.contains("[default: 921600]"), "{help}");
+    }
 }

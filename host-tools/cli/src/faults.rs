@@ -1,13 +1,13 @@
 //! `tempco faults`: the fault log of a unit.
 
 use anyhow::Result;
-use tempco_link::Fault;
+use tempco_link::{Fault, FaultEntry};
 
 use crate::Verdict;
 use crate::output::{print, print_lines, table};
 use crate::port_args::PortArgs;
 
-/// Show the fault log of a unit: what occurred, how often, and when last
+/// Show the fault log of a unit: what occurred, how often, when last, and what it has lost
 #[derive(clap::Args)]
 pub(crate) struct Args {
     #[command(flatten)]
@@ -15,11 +15,23 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(args: &Args) -> Result<Verdict> {
-    let faults = args.port.connect()?.faults()?;
+    let mut unit = args.port.connect()?;
+    let faults = unit.faults()?;
     if faults.is_empty() {
         print("no fault has occurred")?;
-        return Ok(Verdict::Acceptable);
+    } else {
+        show(&faults)?;
     }
+    if let Some(losses) = unit.losses()? {
+        print(format_args!(
+            "lost since power-on: {} gyro samples, {} outcomes for telemetry, {} of replays",
+            losses.missed_samples, losses.moments, losses.replies
+        ))?;
+    }
+    Ok(Verdict::Acceptable)
+}
+
+fn show(faults: &[FaultEntry]) -> Result<()> {
     let rows = faults.iter().map(|entry| {
         let name = Fault::from_code(entry.code).map_or("(of newer firmware)", Fault::name);
         vec![
@@ -32,6 +44,5 @@ pub(crate) fn run(args: &Args) -> Result<Verdict> {
         ]
     });
     let header = ["fault", "code", "times", "last in boot", "at [s]", "detail"];
-    print_lines(table(&header, rows))?;
-    Ok(Verdict::Acceptable)
+    print_lines(table(&header, rows))
 }

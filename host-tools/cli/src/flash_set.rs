@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use tempco_hil::flash_set;
 
 use crate::Verdict;
@@ -14,22 +14,35 @@ use crate::progress::Progress;
 /// Write a coefficient set into a unit over its serial port
 ///
 /// The set goes into the bank that is not in use; the unit checks it, resets itself and runs on
-/// it. Refuses a set of another serial number or shape before anything is written. Whatever fails,
-/// the unit keeps the table it has.
+/// it. Refuses a set of another serial number, shape or scale factor before anything is written.
+/// Whatever fails, the unit keeps the table it has.
 #[derive(clap::Args)]
 pub(crate) struct Args {
     /// Coefficient set (coefficients.json) or flash image (table.bin)
     #[arg(value_name = "SET")]
     set: PathBuf,
+    /// Angle per pulse that a table in deg/h, deg/s or rad/s was made with, in arcsec, where the
+    /// set does not say
+    #[arg(long, value_name = "ARCSEC", allow_negative_numbers = true)]
+    scale_factor: Option<f64>,
     #[command(flatten)]
     port: PortArgs,
 }
 
 pub(crate) fn run(args: &Args) -> Result<Verdict> {
-    let image = image::of_set(&args.set)?;
+    let (image, of_set) = image::of_set(&args.set)?;
+    if let (Some(given), Some(of_set)) = (args.scale_factor, of_set) {
+        ensure!(
+            given == of_set,
+            "--scale-factor {given}: the set was fitted with {of_set} arcsec per pulse"
+        );
+    }
+    let scale_factor = args.scale_factor.or(of_set);
     let mut unit = args.port.connect()?;
     let progress = Progress::over_upload(image.bytes().len() as u64);
-    let written = flash_set(&mut unit, image.bytes(), |bytes| progress.at(bytes as u64));
+    let written = flash_set(&mut unit, image.bytes(), scale_factor, |bytes| {
+        progress.at(bytes as u64)
+    });
     drop(progress);
     let now = written.with_context(|| args.set.display().to_string())?;
     print(format_args!(

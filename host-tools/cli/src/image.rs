@@ -68,15 +68,16 @@ impl Placed {
     }
 }
 
-/// The image of a set: that in a file, or that which is made of `coefficients.json`.
-pub(crate) fn of_set(path: &Path) -> Result<Placed> {
+/// The image of a set, and the scale factor that it was fitted with if it is known
+/// \[arcsec/pulse\]: the image in a file, or that which is made of `coefficients.json`.
+pub(crate) fn of_set(path: &Path) -> Result<(Placed, Option<f64>)> {
     if is_image(path) {
         check_folder(path)?;
-        Placed::read(path)
-    } else {
-        let image = table_bin(&load_set(path)?).map_err(Error::msg)?;
-        Ok(Placed::of(&image))
+        return Ok((Placed::read(path)?, None));
     }
+    let set = load_set(path)?;
+    let image = table_bin(&set).map_err(Error::msg)?;
+    Ok((Placed::of(&image), set.settings.scale_factor_arcsec))
 }
 
 /// Names the files in the folder of a set or image that are of another set, if there are any.

@@ -6,8 +6,8 @@ use anyhow::{Context, Result};
 use tempco_hil::{Patience, Unit, open};
 use tempco_link::Bank;
 
-/// Usual baud rate of the units.
-pub(crate) const BAUD: u32 = 115_200;
+/// Baud rate of the boards in `firmware`.
+pub(crate) const BAUD: u32 = 921_600;
 
 /// Where a unit is.
 #[derive(clap::Args)]

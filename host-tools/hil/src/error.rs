@@ -91,7 +91,10 @@ pub enum Error {
     #[error("the image of the table: {0}")]
     Image(#[from] ImageError),
     /// The image is another unit's.
-    #[error("the table is that of unit {table:?}, but this is unit {unit:?}: nothing was written")]
+    #[error(
+        "the table is that of unit {table:?}, but this is unit {unit:?}{}: nothing was written",
+        example(unit)
+    )]
     Serial {
         /// Serial number in the image.
         table: String,
@@ -106,6 +109,25 @@ pub enum Error {
         /// Shape of the unit.
         unit: Shape,
     },
+    /// The table is not of rates that a gyro's pulses can be turned into.
+    #[error(
+        "the table is in {unit}, but the unit counts the pulses of a gyro: nothing was written"
+    )]
+    NotOfAGyro {
+        /// Unit of an axis of the table.
+        unit: &'static str,
+    },
+    /// The table is of angles that are not the unit's.
+    #[error(
+        "{}, but the unit turns pulses into angles by {unit} arcsec: nothing was written",
+        made_with(*table)
+    )]
+    ScaleFactor {
+        /// Scale factor of the gyro as of the table, if it is known \[arcsec/pulse\].
+        table: Option<f64>,
+        /// Scale factor as of the unit \[arcsec/pulse\].
+        unit: f32,
+    },
     /// The unit did not take the new table into use.
     #[error(
         "the unit took the table, but after its reset it runs on {}: its log says why",
@@ -115,6 +137,27 @@ pub enum Error {
         /// CRC of the table in use; none where it runs uncompensated.
         found: Option<u32>,
     },
+}
+
+/// Serial number of the table that firmware has which was built without one.
+const EXAMPLE: &str = "EXAMPLE";
+
+fn example(unit: &str) -> &'static str {
+    if unit == EXAMPLE {
+        " (its firmware was built with the example table; build it with \
+         TEMPCO_TABLE=path/to/table.rs of the set)"
+    } else {
+        ""
+    }
+}
+
+fn made_with(scale_factor_arcsec: Option<f64>) -> String {
+    match scale_factor_arcsec {
+        Some(arcsec) => format!("the table was fitted with {arcsec} arcsec per pulse"),
+        None => "the table is of angles and does not say by how many arcsec per pulse they were \
+                 made (--scale-factor)"
+            .to_owned(),
+    }
 }
 
 fn in_use(table_crc: Option<u32>) -> String {

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use tempco_image::{AlignedBytes, CRC, Image};
+use tempco_image::{AlignedBytes, CRC, Image, Unit as AxisUnit};
 use tempco_link::{Bank, MAX_CHUNK, Request, Response};
 
 use crate::{Error, Identity, Unit};
@@ -32,19 +32,27 @@ impl fmt::Display for Shape {
 /// Writes the image of a table into the bank that is not in use, has the unit take it into use,
 /// waits for its boot and asks which table it runs on. `progress` gets the bytes written so far.
 ///
+/// A table of angles is only right where the unit turns pulses into angles by the scale factor
+/// that the table was fitted with, `scale_factor_arcsec` \[arcsec/pulse\]; for others it is not
+/// looked at.
+///
 /// Whatever fails, the unit keeps a good table: the image counts only once it is whole, checked by
 /// the unit and committed.
 ///
 /// # Errors
-/// An image that is damaged, of another unit or of another shape, before anything is written; a
+/// An image that is damaged, of another unit, shape or scale factor, before anything is written; a
 /// refusal of the unit; a unit that runs on another table after its reset.
 pub fn flash_set(
     unit: &mut Unit,
     image: &[u8],
+    scale_factor_arcsec: Option<f64>,
     mut progress: impl FnMut(usize),
 ) -> Result<Identity, Error> {
     let before = unit.identify()?;
-    let table_crc = check(image, &before)?;
+    let table = check(image, &before)?;
+    if table.is_of_angles {
+        check_scale_factor(unit, scale_factor_arcsec)?;
+    }
     let len = image.len() as u32;
     expect(unit, &Request::UploadBegin { len }, 0)?;
     for (number, bytes) in image.chunks(MAX_CHUNK).enumerate() {
@@ -66,7 +74,7 @@ pub fn flash_set(
     }
     unit.reconnect()?;
     let after = unit.identify()?;
-    if after.table_crc == table_crc && after.bank.is_some() && after.bank != before.bank {
+    if after.table_crc == table.crc && after.bank.is_some() && after.bank != before.bank {
         Ok(after)
     } else {
         Err(Error::NotInUse {
@@ -75,8 +83,27 @@ pub fn flash_set(
     }
 }
 
-/// Checks the image and that it is the unit's; returns the CRC of its table.
-fn check(image: &[u8], unit: &Identity) -> Result<u32, Error> {
+/// What is to be known of a table that fits.
+struct Fitting {
+    crc: u32,
+    is_of_angles: bool,
+}
+
+/// Scale factors that differ by less are the same, but for their rounding to single precision.
+const SAME_SCALE: f64 = 1e-6;
+
+fn check_scale_factor(unit: &mut Unit, table: Option<f64>) -> Result<(), Error> {
+    let unit = unit.scale_factor_arcsec()?;
+    let is_same =
+        |table: f64| (table - f64::from(unit)).abs() <= SAME_SCALE * f64::from(unit).abs();
+    match table {
+        Some(table) if is_same(table) => Ok(()),
+        table => Err(Error::ScaleFactor { table, unit }),
+    }
+}
+
+/// Checks the image and that it is the unit's.
+fn check(image: &[u8], unit: &Identity) -> Result<Fitting, Error> {
     // Cells are used in place, which takes an aligned place.
     let mut place = Box::new(AlignedBytes([0; MOST_BYTES]));
     let room = place.0.get_mut(..image.len());
@@ -98,11 +125,24 @@ fn check(image: &[u8], unit: &Identity) -> Result<u32, Error> {
         channels: unit.channels.into(),
         axes: unit.axes.into(),
     };
-    if table == unit {
-        Ok(image.info().table_crc)
-    } else {
-        Err(Error::Shape { table, unit })
+    if table != unit {
+        return Err(Error::Shape { table, unit });
     }
+    let mut is_of_angles = false;
+    for channel in 0..image.channels() {
+        for axis in image.channel(channel)?.units.into_iter().flatten() {
+            match axis {
+                AxisUnit::Dph | AxisUnit::Dps | AxisUnit::Radps => is_of_angles = true,
+                AxisUnit::PulsesPerS => {}
+                AxisUnit::Mps2 => return Err(Error::NotOfAGyro { unit: "m/s^2" }),
+                AxisUnit::G => return Err(Error::NotOfAGyro { unit: "g" }),
+            }
+        }
+    }
+    Ok(Fitting {
+        crc: image.info().table_crc,
+        is_of_angles,
+    })
 }
 
 /// Asks for what is answered by where the next chunk begins.

@@ -15,11 +15,11 @@
 //! use std::path::Path;
 //! use tempco_hil::{Patience, Unit, flash_set, open};
 //!
-//! let port = open(Path::new("/dev/ttyUSB0"), 115_200)?;
+//! let port = open(Path::new("/dev/ttyUSB0"), 921_600)?;
 //! let mut unit = Unit::connect(port, Patience::default())?;
 //! println!("unit {}", unit.identify()?.serial);
 //! let image = std::fs::read("set/table.bin")?;
-//! flash_set(&mut unit, &image, |bytes| println!("{bytes} bytes"))?;
+//! flash_set(&mut unit, &image, Some(1.0), |bytes| println!("{bytes} bytes"))?;
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 #![forbid(unsafe_code)]

@@ -5,8 +5,8 @@ use std::io;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use tempco_link::{
-    Bank, Client, Event, FaultEntry, FaultSet, LinkError, MAX_FAULTS, Refusal, Request, Response,
-    Telemetry, VERSION,
+    Bank, Client, Event, FaultEntry, FaultSet, LinkError, Losses, MAX_FAULTS, Refusal, Request,
+    Response, Telemetry, VERSION,
 };
 use tempco_replay::Schedule;
 
@@ -313,6 +313,37 @@ impl Unit {
         }
     }
 
+    /// The scale factor by which the unit turns pulses into angles \[arcsec/pulse\].
+    ///
+    /// # Errors
+    /// As of [`ask`](Self::ask); [`Refusal::Unknown`] from firmware before version 1.1 of the
+    /// protocol.
+    pub fn scale_factor_arcsec(&mut self) -> Result<f32, Error> {
+        self.ask(&Request::ScaleFactor, |response| match response {
+            Response::ScaleFactor { arcsec } => Some(*arcsec),
+            _ => None,
+        })
+    }
+
+    /// What the unit has lost since power-on; none of firmware before version 1.1 of the protocol,
+    /// which does not say.
+    ///
+    /// # Errors
+    /// As of [`ask`](Self::ask).
+    pub fn losses(&mut self) -> Result<Option<Losses>, Error> {
+        let losses = self.ask(&Request::Losses, |response| match response {
+            Response::Losses(losses) => Some(*losses),
+            _ => None,
+        });
+        match losses {
+            Err(Error::Refused {
+                refusal: Refusal::Unknown,
+                ..
+            }) => Ok(None),
+            other => other.map(Some),
+        }
+    }
+
     /// Asks what is answered by [`Response::Done`] alone.
     ///
     /// # Errors
@@ -353,6 +384,8 @@ const fn is_repeatable(request: &Request) -> bool {
             | Request::Download { .. }
             | Request::Faults { .. }
             | Request::Restart
+            | Request::ScaleFactor
+            | Request::Losses
     )
 }
 
@@ -374,6 +407,9 @@ const fn name(request: &Request) -> &'static str {
         Request::Faults { .. } => "the question for its fault log",
         Request::Restart => "the start of a replay",
         Request::Block(_) => "a block of a log",
+        Request::ClearOffsets => "the clearing of its offsets",
+        Request::ScaleFactor => "the question for its scale factor",
+        Request::Losses => "the question what it has lost",
         _ => "a request",
     }
 }

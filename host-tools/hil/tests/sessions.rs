@@ -6,7 +6,7 @@ mod common;
 use std::path::Path;
 use std::time::Duration;
 
-use common::{Figure, SCHEDULE, Wire, image_of, spawn};
+use common::{Figure, SCHEDULE, Wire, image_in, image_of, spawn};
 use tempco_hil::{Error, Patience, Unit, download, flash_set, open, replay};
 use tempco_image::{AlignedBytes, Image};
 use tempco_link::{Bank, Request};
@@ -40,7 +40,7 @@ fn a_table_goes_in_and_comes_out_again_over_good_and_bad_wires() {
         for (round, bank) in [(1, Bank::A), (2, Bank::B), (3, Bank::A)] {
             let image = image_of("SN1", round, round as f32);
             let mut told = Vec::new();
-            let after = flash_set(&mut unit, &image, |bytes| told.push(bytes)).unwrap();
+            let after = flash_set(&mut unit, &image, Some(1.0), |bytes| told.push(bytes)).unwrap();
             assert_eq!((after.table_crc, after.bank), (round, Some(bank)));
             assert!(told.is_sorted() && told.last() == Some(&image.len()));
             assert_eq!(download(&mut unit, bank).unwrap(), image);
@@ -52,7 +52,8 @@ fn a_table_goes_in_and_comes_out_again_over_good_and_bad_wires() {
         assert!(is_good || kept.done > 0);
         assert_eq!(
             kept.done,
-            1 + rounds * (1 + 1 + chunks + 1 + 1 + 1 + chunks + 1)
+            // Identity, scale factor, upload, use, identity, download.
+            1 + rounds * (1 + 1 + 1 + chunks + 1 + 1 + 1 + chunks + 1)
         );
     }
 }
@@ -76,7 +77,7 @@ fn a_table_of_another_unit_or_shape_is_refused_before_anything_is_written() {
         (&good[..100].to_vec(), "the image of the table: 100 bytes"),
         (&vec![0; 300_000], "the image of the table"),
     ] {
-        let error = flash_set(&mut unit, image, |_| panic!("written")).unwrap_err();
+        let error = flash_set(&mut unit, image, Some(1.0), |_| panic!("written")).unwrap_err();
         assert!(error.to_string().contains(expected), "{error}");
     }
     assert_eq!(
@@ -87,12 +88,76 @@ fn a_table_of_another_unit_or_shape_is_refused_before_anything_is_written() {
 }
 
 #[test]
+fn a_table_of_angles_is_refused_where_its_scale_factor_is_not_that_of_the_unit() {
+    use tempco_image::Unit::{Dph, Dps, G, Mps2, PulsesPerS, Radps};
+    let (port, flash) = spawn("SN1", GOOD);
+    flash.lock().unwrap().scale_factor_arcsec = Some(0.7);
+    let mut unit = connect(port);
+    let fitted = "fitted with 0.5 arcsec per pulse, but the unit turns pulses into angles by 0.7";
+    for (units, scale_factor, refused) in [
+        (Dph, Some(0.5), Some(fitted)),
+        (Dps, Some(0.5), Some(fitted)),
+        (Radps, Some(0.5), Some(fitted)),
+        (Dph, Some(0.700002), Some("0.700002")),
+        (Dph, Some(f64::NAN), Some("NaN")),
+        (Dph, None, Some("--scale-factor")),
+        (Mps2, Some(0.7), Some("the table is in m/s^2")),
+        (G, Some(0.7), Some("the table is in g")),
+        (Dph, Some(0.7), None),
+        (PulsesPerS, None, None),
+        (PulsesPerS, Some(0.5), None),
+    ] {
+        let image = image_in(units, "SN1", 7, 1.0);
+        let chosen = flash.lock().unwrap().chosen;
+        let written = flash_set(&mut unit, &image, scale_factor, |_| {});
+        match refused {
+            None => drop(written.unwrap()),
+            Some(words) => {
+                let error = written.unwrap_err().to_string();
+                assert!(error.contains(words), "{error}");
+                assert!(error.contains("nothing was written"), "{error}");
+                assert_eq!(flash.lock().unwrap().chosen, chosen);
+            }
+        }
+    }
+    // Firmware that cannot say takes no table of angles, and others as before.
+    flash.lock().unwrap().is_old = true;
+    let error = flash_set(&mut unit, &image_of("SN1", 7, 1.0), Some(0.7), |_| {}).unwrap_err();
+    assert!(
+        error.to_string().contains("its firmware may be older"),
+        "{error}"
+    );
+    flash_set(
+        &mut unit,
+        &image_in(PulsesPerS, "SN1", 7, 1.0),
+        None,
+        |_| {},
+    )
+    .unwrap();
+    assert_eq!(unit.losses().unwrap(), None);
+}
+
+#[test]
+fn a_unit_with_the_example_table_says_how_to_build_it_with_ones_own() {
+    let (port, _) = spawn("EXAMPLE", GOOD);
+    let error = flash_set(
+        &mut connect(port),
+        &image_of("SN1", 7, 1.0),
+        Some(1.0),
+        |_| {},
+    );
+    let error = error.unwrap_err().to_string();
+    assert!(error.contains("this is unit \"EXAMPLE\""), "{error}");
+    assert!(error.contains("TEMPCO_TABLE="), "{error}");
+}
+
+#[test]
 fn a_unit_that_is_reset_in_mid_upload_ends_it_and_a_second_upload_succeeds() {
     let (port, flash) = spawn("SN1", GOOD);
     flash.lock().unwrap().reset_after = Some(3);
     let mut unit = connect(port);
     let image = image_of("SN1", 7, 1.0);
-    let error = flash_set(&mut unit, &image, |_| {}).unwrap_err();
+    let error = flash_set(&mut unit, &image, Some(1.0), |_| {}).unwrap_err();
     assert!(matches!(error, Error::SessionLost { .. }), "{error}");
     assert!(
         error.to_string().contains("a chunk of an upload"),
@@ -101,14 +166,20 @@ fn a_unit_that_is_reset_in_mid_upload_ends_it_and_a_second_upload_succeeds() {
     assert_eq!(flash.lock().unwrap().chosen, None);
     // The session is open again, and what does not depend on the old one needs no second try.
     assert_eq!(unit.identify().unwrap().sequence, 2);
-    flash_set(&mut unit, &image, |_| {}).unwrap();
+    flash_set(&mut unit, &image, Some(1.0), |_| {}).unwrap();
 }
 
 #[test]
 fn a_lost_answer_of_a_unit_that_resets_itself_is_no_error() {
     let (port, flash) = spawn("SN1", GOOD);
     flash.lock().unwrap().is_hasty = true;
-    let after = flash_set(&mut connect(port), &image_of("SN1", 7, 1.0), |_| {}).unwrap();
+    let after = flash_set(
+        &mut connect(port),
+        &image_of("SN1", 7, 1.0),
+        Some(1.0),
+        |_| {},
+    )
+    .unwrap();
     assert_eq!(after.table_crc, 7);
 }
 
@@ -117,7 +188,7 @@ fn a_unit_that_does_not_use_its_new_table_is_told_of() {
     let (port, flash) = spawn("SN1", GOOD);
     flash.lock().unwrap().is_stubborn = true;
     let mut unit = connect(port);
-    let error = flash_set(&mut unit, &image_of("SN1", 7, 1.0), |_| {}).unwrap_err();
+    let error = flash_set(&mut unit, &image_of("SN1", 7, 1.0), Some(1.0), |_| {}).unwrap_err();
     assert!(error.to_string().contains("it runs on no table"), "{error}");
 }
 
@@ -164,7 +235,7 @@ fn replays_find_no_difference_where_there_is_none_and_every_one_where_there_is()
         let (port, _flash) = spawn("SN1", wires);
         let mut unit = connect(port);
         let image = image_of("SN1", 7, 1.0);
-        flash_set(&mut unit, &image, |_| {}).unwrap();
+        flash_set(&mut unit, &image, Some(1.0), |_| {}).unwrap();
         for comparison in replays(&mut unit, &image, 777) {
             assert_eq!((comparison.samples, comparison.different), (777, 0));
             assert_eq!(comparison.first, None);
@@ -192,7 +263,7 @@ fn a_bit_of_any_figure_of_one_sample_is_found() {
     let (port, flash) = spawn("SN1", GOOD);
     let mut unit = connect(port);
     let image = image_of("SN1", 7, 1.0);
-    flash_set(&mut unit, &image, |_| {}).unwrap();
+    flash_set(&mut unit, &image, Some(1.0), |_| {}).unwrap();
     for (figure, number, by_block) in [
         (Figure::Effective, 79, true),
         (Figure::Rate, 79, true),
@@ -264,7 +335,7 @@ fn refusals_silence_and_missing_ports_are_told_apart() {
     assert!(matches!(error, Error::Closed | Error::Port(_)), "{error}");
 
     let missing = Path::new("/nonexistent/ttyUSB9");
-    let error = open(missing, 115_200).err().unwrap();
+    let error = open(missing, 921_600).err().unwrap();
     assert!(
         error
             .to_string()

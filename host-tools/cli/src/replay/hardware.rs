@@ -14,8 +14,8 @@ use crate::output::print;
 use crate::port_args::bank_name;
 use crate::progress::Progress;
 
-/// An instruction takes 32 ns of emulated time, about what the board's 25 MHz give it, and what is
-/// slept is skipped: load and latency do not depend on this machine.
+/// An instruction takes 32 ns of emulated time, about what the board's 25 MHz give it: load and
+/// latency do not depend on this machine.
 const TIME: MachineTime = MachineTime::Unbound { shift: 5 };
 
 /// The interval of a log may be off that of the unit by this share: times in logs are rounded.
@@ -69,7 +69,9 @@ pub(super) fn in_qemu(
 
 fn in_machine(put: &Replay, machine: &Machine, real_time: bool) -> Result<Differences> {
     let mut unit = Unit::connect(open(&machine.link(), 0)?, Patience::default())?;
-    let identity = flash_set(&mut unit, put.image.bytes(), |_| {})?;
+    // What is replayed is in the table's unit: the gyro of the emulator is not looked at.
+    let scale_factor = unit.scale_factor_arcsec()?.into();
+    let identity = flash_set(&mut unit, put.image.bytes(), Some(scale_factor), |_| {})?;
     through(put, &mut unit, &identity, real_time)
 }
 

@@ -12,8 +12,8 @@ use tempco_image::{
     encode,
 };
 use tempco_link::{
-    Bank, ChannelTelemetry, FaultEntry, Handler, MAX_FAULTS, Outcome, OutcomeBlock, Refusal,
-    Request, Response, Sample, SampleBlock, Server, Telemetry,
+    Bank, ChannelTelemetry, FaultEntry, Handler, Losses, MAX_FAULTS, Outcome, OutcomeBlock,
+    Refusal, Request, Response, Sample, SampleBlock, Server, Telemetry,
 };
 use tempco_replay::{Replay, Schedule, Stream};
 
@@ -40,6 +40,9 @@ pub(crate) struct Flash {
     pub(crate) is_hasty: bool,
     /// Takes a table and does not use it.
     pub(crate) is_stubborn: bool,
+    /// Scale factor of the gyro, 1 where it is not set; of firmware that knows the question.
+    pub(crate) scale_factor_arcsec: Option<f32>,
+    pub(crate) is_old: bool,
     /// The number of a replayed sample, and which figure of its outcome has a bit turned over.
     pub(crate) spoil: Option<(usize, Figure)>,
 }
@@ -116,6 +119,16 @@ impl Handler for Running {
         flash.done += 1;
         let spare = 1 - self.in_use.unwrap_or(1);
         match request {
+            Request::ScaleFactor | Request::Losses if flash.is_old => {
+                Response::Refused(Refusal::Unknown)
+            }
+            Request::ScaleFactor => Response::ScaleFactor {
+                arcsec: flash.scale_factor_arcsec.unwrap_or(1.0),
+            },
+            Request::Losses => Response::Losses(Losses {
+                missed_samples: 3,
+                ..Losses::default()
+            }),
             Request::Identify => Response::Identity {
                 serial: &self.serial,
                 firmware: "simulated 1",
@@ -347,8 +360,13 @@ pub(crate) fn spawn(serial: &str, wires: [Wire; 2]) -> (UnixStream, Arc<Mutex<Fl
     (host, flash)
 }
 
-/// An image of a table whose biases are in proportion to `scale`.
+/// An image of a table in deg/h whose biases are in proportion to `scale`.
 pub(crate) fn image_of(serial: &str, table_crc: u32, scale: f32) -> Vec<u8> {
+    image_in(Unit::Dph, serial, table_crc, scale)
+}
+
+/// As [`image_of`], in another unit.
+pub(crate) fn image_in(unit: Unit, serial: &str, table_crc: u32, scale: f32) -> Vec<u8> {
     let terms = Terms {
         a: [scale, 0.3 * scale, -0.1 * scale],
         r: [0.2 * scale, 0.05 * scale],
@@ -360,7 +378,7 @@ pub(crate) fn image_of(serial: &str, table_crc: u32, scale: f32) -> Vec<u8> {
         last_edge_c: 80.0,
         t_min_c: -40.0,
         t_max_c: 80.0,
-        units: Unit::array(&[Unit::Dph; 3]),
+        units: Unit::array(&[unit; 3]),
         cells: &cells,
         history: ChannelHistory::NONE,
     };
