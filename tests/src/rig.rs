@@ -84,7 +84,7 @@ impl Rig {
             .expect("the line");
         let patience = Patience {
             answer: ANSWER,
-            tries: 100,
+            tries: 600,
             boot: Duration::from_secs(20),
         };
         let port = Box::new(line.try_clone().expect("the line"));

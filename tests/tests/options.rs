@@ -66,7 +66,7 @@ const COMMANDS: [(&str, &[&str], &[&str]); 10] = [
     ),
     (
         "flash-set set/coefficients.json --port /dev/null",
-        &["--baud"],
+        &["--baud", "--scale-factor"],
         &[],
     ),
     (

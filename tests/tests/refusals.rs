@@ -166,7 +166,7 @@ fn what_cannot_be_fitted_is_refused() {
         ("--scale-factor -1", "expected arcsec per pulse"),
         (
             "--scale-factor 1e300",
-            "expected arcsec per pulse, 1e-9 to 1e9",
+            "expected arcsec per pulse, 1e-6 to 1e6",
         ),
         ("--model cubic", "invalid value 'cubic'"),
     ] {

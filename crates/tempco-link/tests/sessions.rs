@@ -90,7 +90,7 @@ fn other_versions_sessions_and_orders_are_refused() {
         minor: 9,
         nonce: 4,
     };
-    assert_eq!(refused(&wire(0, 1, &newer)), [vec![0, 1, 0, 1, 0, 4, 7]]);
+    assert_eq!(refused(&wire(0, 1, &newer)), [vec![0, 1, 0, 1, 1, 4, 7]]);
     assert_eq!(refused(&wire(8, 2, &Request::Bit)), [vec![8, 2, 1, 1]]);
     assert_eq!(refused(&wire(7, 4, &Request::Bit)), [vec![7, 4, 1, 2, 2]]);
     assert_eq!(refused(&wire(7, 0, &Request::Bit)), [[0; 0]; 0]);

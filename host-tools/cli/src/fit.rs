@@ -133,7 +133,7 @@ pub(crate) fn run(args: &Args) -> Result<Verdict> {
         "--overlap spline: expected with --model spline only, whose segments are fitted together"
     );
     let options = options(args);
-    let reading = args.reading.options(None)?;
+    let reading = args.reading.options(None);
     if let Some(folder) = &args.batch {
         return batch::run(folder, &args.out, &reading, &options, !args.no_report);
     }

@@ -10,6 +10,7 @@ use crate::image;
 use crate::output::print;
 use crate::port_args::{PortArgs, bank_name};
 use crate::progress::Progress;
+use crate::shared_args::scale_factor;
 
 /// Write a coefficient set into a unit over its serial port
 ///
@@ -23,7 +24,7 @@ pub(crate) struct Args {
     set: PathBuf,
     /// Angle per pulse that a table in deg/h, deg/s or rad/s was made with, in arcsec, where the
     /// set does not say
-    #[arg(long, value_name = "ARCSEC", allow_negative_numbers = true)]
+    #[arg(long, value_name = "ARCSEC", value_parser = scale_factor, allow_negative_numbers = true)]
     scale_factor: Option<f64>,
     #[command(flatten)]
     port: PortArgs,
@@ -37,12 +38,14 @@ pub(crate) fn run(args: &Args) -> Result<Verdict> {
             "--scale-factor {given}: the set was fitted with {of_set} arcsec per pulse"
         );
     }
-    let scale_factor = args.scale_factor.or(of_set);
     let mut unit = args.port.connect()?;
     let progress = Progress::over_upload(image.bytes().len() as u64);
-    let written = flash_set(&mut unit, image.bytes(), scale_factor, |bytes| {
-        progress.at(bytes as u64)
-    });
+    let written = flash_set(
+        &mut unit,
+        image.bytes(),
+        args.scale_factor.or(of_set),
+        |bytes| progress.at(bytes as u64),
+    );
     drop(progress);
     let now = written.with_context(|| args.set.display().to_string())?;
     print(format_args!(

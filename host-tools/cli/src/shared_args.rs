@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Error, Result, ensure};
+use anyhow::{Error, Result};
 use tempco_fit::digest::{LogDigest, Plan, digest_file};
 use tempco_fit::log::{
     AxisColumn, Log, Mapping, ReadOptions, TempColumn, list_names, read_log_observed,
@@ -76,6 +76,18 @@ pub(crate) fn averaging_time(text: &str) -> Result<f64, String> {
     })
 }
 
+/// Angle per pulse on the command line.
+pub(crate) fn scale_factor(text: &str) -> Result<f64, String> {
+    let arcsec = text
+        .parse()
+        .ok()
+        .filter(|arcsec| SCALE_FACTORS_ARCSEC.contains(arcsec));
+    arcsec.ok_or_else(|| {
+        let (least, most) = (SCALE_FACTORS_ARCSEC.start(), SCALE_FACTORS_ARCSEC.end());
+        format!("expected arcsec per pulse, {least:e} to {most:e}")
+    })
+}
+
 /// How to read a log whose columns are not named `time_s`, `temp_c` and `NAME_UNIT`.
 #[derive(clap::Args)]
 #[command(next_help_heading = "Reading logs")]
@@ -90,7 +102,7 @@ pub(crate) struct LogArgs {
     #[arg(long, value_name = "NAME=COL:UNIT", value_parser = axis_column)]
     axis: Vec<AxisColumn>,
     /// Angle per pulse, in arcsec: turns pulse counts into deg/h
-    #[arg(long, value_name = "ARCSEC", allow_negative_numbers = true)]
+    #[arg(long, value_name = "ARCSEC", value_parser = scale_factor, allow_negative_numbers = true)]
     pub(crate) scale_factor: Option<f64>,
     /// Leave out rows with bad cells and count them, instead of refusing the log
     #[arg(long)]
@@ -102,7 +114,7 @@ impl LogArgs {
     pub(crate) fn read(&self, path: &Path, set_scale_factor: Option<f64>) -> Result<Log> {
         let paths = [path.to_owned()];
         let progress = Progress::over(&paths);
-        let options = self.options(set_scale_factor)?;
+        let options = self.options(set_scale_factor);
         let log = read_log_observed(path, &options, |bytes| progress.add(bytes))?;
         drop(progress);
         remark(&log.file, &log.ignored_columns, log.skipped_rows);
@@ -112,7 +124,7 @@ impl LogArgs {
     /// Digests several logs at once.
     pub(crate) fn digest_all(&self, paths: &[PathBuf], plan: &Plan) -> Result<Vec<LogDigest>> {
         let progress = Progress::over(paths);
-        let options = self.options(None)?;
+        let options = self.options(None);
         let logs = parallel::map(paths, |path| {
             digest_file(path, &options, plan, |bytes| progress.add(bytes))
         });
@@ -125,15 +137,8 @@ impl LogArgs {
     }
 
     /// How to read; without a scale factor of its own, with that of the set.
-    pub(crate) fn options(&self, set_scale_factor: Option<f64>) -> Result<ReadOptions> {
-        if let Some(scale_factor) = self.scale_factor {
-            let (least, most) = (SCALE_FACTORS_ARCSEC.start(), SCALE_FACTORS_ARCSEC.end());
-            ensure!(
-                SCALE_FACTORS_ARCSEC.contains(&scale_factor),
-                "--scale-factor {scale_factor}: expected arcsec per pulse, {least:e} to {most:e}"
-            );
-        }
-        Ok(ReadOptions {
+    pub(crate) fn options(&self, set_scale_factor: Option<f64>) -> ReadOptions {
+        ReadOptions {
             mapping: Mapping {
                 time: self.time.clone(),
                 temps: self.temp.clone(),
@@ -141,7 +146,7 @@ impl LogArgs {
             },
             scale_factor_arcsec: self.scale_factor.or(set_scale_factor),
             skip_bad_rows: self.skip_bad_rows,
-        })
+        }
     }
 }
 
