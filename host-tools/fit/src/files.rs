@@ -191,7 +191,8 @@ fn carry_out(steps: Vec<Step>, mut before_each: impl FnMut()) -> io::Result<()> 
     for (path, _) in &done {
         unfinished.folders.remove(folder_of(path));
     }
-    drop(unfinished);
+    // The second names of the former files go while the lock is held.
+    drop(done);
     Ok(())
 }
 
