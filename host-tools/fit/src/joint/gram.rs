@@ -109,7 +109,9 @@ impl Gram {
         let solved = factor.solve(&cross);
         let mut rest = self.only(&(first..n).collect::<Vec<_>>());
         let taken = cross.transpose() * &solved;
-        for (i, row) in rest.products.chunks_exact_mut(n - first).enumerate() {
+        // Where nothing is left there is no row either, and no width of one.
+        let width = (n - first).max(1);
+        for (i, row) in rest.products.chunks_exact_mut(width).enumerate() {
             for (j, product) in row.iter_mut().enumerate().skip(i) {
                 *product -= taken[(i, j)];
             }
@@ -191,6 +193,16 @@ mod tests {
         let two = whole.only(&[0, 2]);
         assert_eq!(two.solve().unwrap()[0].len(), 2);
         assert!(two.residual(0, &two.solve().unwrap()[0]) > 2.0 * a);
+    }
+
+    #[test]
+    fn all_columns_may_be_taken_out() {
+        let whole = rows(0..500);
+        let rest = whole.reduced(3).unwrap();
+        let (all, none) = (whole.solve().unwrap(), rest.solve().unwrap());
+        assert!(none[0].is_empty());
+        let (a, b) = (whole.residual(0, &all[0]), rest.residual(0, &[]));
+        assert!((a - b).abs() < 1e-4 * a, "{a} {b}");
     }
 
     fn rows(range: std::ops::Range<usize>) -> Gram {
