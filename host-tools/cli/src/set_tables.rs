@@ -2,8 +2,7 @@
 
 use anyhow::Result;
 use comfy_table::Table;
-use tempco_fit::Candidate;
-use tempco_fit::set::{ChannelSet, SegmentSet};
+use tempco_fit::set::{Candidate, ChannelSet, SegmentSet};
 
 use crate::output::{figure, print, print_lines, states, table};
 

@@ -2,13 +2,11 @@
 
 use tempco::ThermalSettings;
 
-use crate::joint::{Selection, Term};
 use crate::model::AxisModel;
-use crate::screen::Screening;
 use crate::segment::{Overlap, Segmentation};
 use crate::set::{
-    AxisSet, ChannelSet, CoefficientSet, FORMAT_VERSION, PlayData, Provenance, SegmentSet,
-    Settings, SlowPartData, TableData, numbers,
+    AxisSet, ChannelSet, CoefficientSet, FORMAT_VERSION, GainSet, PlayData, Provenance, Screening,
+    SegmentSet, Selection, Settings, SlowPartData, TableData, Term, numbers,
 };
 use crate::tabulate::tabulate;
 
@@ -101,7 +99,7 @@ pub(crate) fn set(
     settings: Settings,
     mut channels: Vec<ChannelSet>,
 ) -> CoefficientSet {
-    crate::set::level_history(&mut channels);
+    level_history(&mut channels);
     let mut set = CoefficientSet {
         format: "tempco-coefficients".to_owned(),
         format_version: FORMAT_VERSION,
@@ -114,6 +112,41 @@ pub(crate) fn set(
     };
     set.table_crc32 = format!("{:08x}", set.crc32());
     set
+}
+
+/// Gives all channels as many plays and slow parts as the one with the most, by terms without
+/// gain: firmware has one type of table for all channels.
+fn level_history(channels: &mut [ChannelSet]) {
+    let most = |count: fn(&ChannelSet) -> usize| channels.iter().map(count).max().unwrap_or(0);
+    let plays = most(|channel| channel.table.plays.len());
+    let slow_parts = most(|channel| channel.table.slow_parts.len());
+    for channel in channels {
+        let axes = channel.axes.len();
+        let table = &mut channel.table;
+        let before = table.plays.len();
+        let gain = vec![0.0; axes];
+        table.plays.resize(
+            plays,
+            PlayData {
+                half_width_c: 0.0,
+                gain: gain.clone(),
+            },
+        );
+        table.slow_parts.resize(
+            slow_parts,
+            SlowPartData {
+                tau_s: table.thermal.tau_s,
+                limit_c: 0.0,
+                gain,
+            },
+        );
+        for axis in &mut channel.axes {
+            let of_slow = axis.gains.split_off(before.min(axis.gains.len()));
+            axis.gains.resize(plays, GainSet::default());
+            axis.gains.extend(of_slow);
+            axis.gains.resize(plays + slow_parts, GainSet::default());
+        }
+    }
 }
 
 /// The name and version that go into provenance.

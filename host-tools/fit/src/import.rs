@@ -12,10 +12,9 @@ use tempco::ThermalSettings;
 
 use crate::assemble::{self, Fitted};
 use crate::log::hex;
-use crate::model::Polynomial;
+use crate::model::{Polynomial, TERMS};
 use crate::segment::{Overlap, Segment, Segmentation};
 use crate::set::{AxisSet, CoefficientSet, Input, Model, Provenance, SegmentSet, Settings};
-use crate::solve::TERMS;
 use crate::unit::AxisUnit;
 
 #[derive(Deserialize)]

@@ -15,6 +15,7 @@ pub mod allan;
 pub mod apply;
 mod assemble;
 pub mod batch;
+mod core_run;
 pub mod digest;
 pub mod escape;
 pub mod files;
@@ -41,9 +42,6 @@ mod testing;
 mod thinned;
 pub mod unit;
 
-pub use joint::{Candidate, HeldOutErrors, Place, Selection};
+pub use core_run::thermal_points;
 pub use load::{SetError, check_folder, load_set, read_set};
-pub use regress::thermal_points;
 pub use rounding::RoundingBound;
-pub use screen::{BiasStep, Screening, Stretch};
-pub use solve::TERMS;

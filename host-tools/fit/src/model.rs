@@ -4,6 +4,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::segment::{Overlap, Piece, Segment, Segmentation};
 
+/// The regressors of a polynomial, in the order in which a fit drops them from the end.
+pub const TERMS: [&str; 5] = ["1", "T", "T^2", "T'", "T T'"];
+
 /// The polynomial of one segment, in the centred and scaled basis `z = (T - centre) / half_width`.
 ///
 /// ```text

@@ -2,11 +2,9 @@
 
 use thiserror::Error;
 
+use crate::model::TERMS;
 use crate::rfactor::{RFactor, Solution};
 use crate::set::Coverage;
-
-/// The regressors, in the order in which they are dropped from the end.
-pub const TERMS: [&str; 5] = ["1", "T", "T^2", "T'", "T T'"];
 
 /// A term is dropped where the part of it that the terms before it cannot represent is less than
 /// this share of what it would be with `z` all over the segment: the error of its coefficient

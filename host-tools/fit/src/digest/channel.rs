@@ -2,10 +2,10 @@
 
 use tempco::{Interval, Thermal, ThermalState};
 
+use crate::core_run::is_usable;
 use crate::digest::block::Rows;
 use crate::digest::grid::{Grid, MOST_BLOCKS};
 use crate::digest::{ChannelDigest, Plan};
-use crate::regress::is_usable;
 use crate::screen::{SpikeScreen, window_rows};
 
 /// Runs the rows of a channel through the core and the screen into blocks.

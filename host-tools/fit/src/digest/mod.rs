@@ -26,7 +26,7 @@ pub use log::{digest_file, digest_log};
 
 use tempco::{Interval, Thermal, ThermalPoint, ThermalState};
 
-use crate::screen::Stretch;
+use crate::set::Stretch;
 use crate::unit::AxisUnit;
 
 /// What must be known before a log is digested; see [`FitOptions::plan`](crate::fit::FitOptions::plan).

@@ -8,9 +8,10 @@ use tempco_twin::{Profile, Simulation, Unit};
 
 use super::grid::{Grid, MOST_BLOCKS};
 use super::*;
+use crate::core_run::with_every_rate;
 use crate::fit::{FitOptions, fit, fit_digests};
 use crate::log::{Axis, Channel, Log, ReadOptions, read_log};
-use crate::regress::{ChannelData, with_every_rate};
+use crate::regress::ChannelData;
 use crate::rfactor::RFactor;
 use crate::set::Model;
 use crate::testing::white;

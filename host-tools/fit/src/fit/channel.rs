@@ -3,12 +3,13 @@
 use tempco::ThermalSettings;
 
 use crate::assemble::{self, Fitted};
-use crate::joint::{HeldOutErrors, Selection, Term};
 use crate::model::Polynomial;
 use crate::regress::ChannelData;
-use crate::screen::Screening;
 use crate::segment::{Overlap, Segmentation};
-use crate::set::{AxisSet, ChannelSet, CoefficientSigmas, GainSet, NoiseSet, SegmentSet};
+use crate::set::{
+    AxisSet, ChannelSet, CoefficientSigmas, GainSet, HeldOutErrors, NoiseSet, Screening,
+    SegmentSet, Selection, Term,
+};
 
 /// A fitted channel before its table is made.
 pub(crate) struct ChannelFit {

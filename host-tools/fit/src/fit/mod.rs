@@ -11,18 +11,21 @@ pub use error::FitError;
 use tempco::ThermalSettings;
 
 use crate::assemble;
+use crate::core_run::with_every_rate;
 use crate::digest::{LogDigest, Plan, digest_log};
 use crate::joint::{
-    self, Blocks, Candidate, Choice, Chosen, FixedLag, LEAST_RATES, Question, RateForm, Selection,
-    Spline,
+    self, Blocks, Choice, Chosen, FixedLag, LEAST_RATES, Question, RateForm, Spline,
 };
 use crate::log::Log;
 use crate::metrics::TAU_RANGE_S;
 use crate::parallel;
-use crate::regress::{ChannelData, with_every_rate};
-use crate::screen::{Screening, Stretch, screen};
+use crate::regress::ChannelData;
+use crate::screen::screen;
 use crate::segment::{Overlap, Segmentation};
-use crate::set::{ChannelSet, CoefficientSet, Input, Model, Provenance, Settings};
+use crate::set::{
+    Candidate, ChannelSet, CoefficientSet, Input, Model, Provenance, Screening, Selection,
+    Settings, Stretch,
+};
 use crate::statistics;
 
 /// The whole log must span this much for a fit to mean anything \[degC\].

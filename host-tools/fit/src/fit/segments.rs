@@ -5,11 +5,11 @@ use tempco::ThermalSettings;
 use crate::digest::Moments;
 use crate::fit::FitError;
 use crate::fit::channel::ChannelFit;
-use crate::model::Polynomial;
+use crate::model::{Polynomial, TERMS};
 use crate::regress::ChannelData;
 use crate::segment::{Overlap, Segment, Segmentation};
 use crate::set::{CoefficientSigmas, SegmentSet};
-use crate::solve::{Place, SegmentRows, TERMS};
+use crate::solve::{Place, SegmentRows};
 
 /// Fits `terms` terms, or as many as the data can carry, to every segment.
 pub(crate) fn fit(

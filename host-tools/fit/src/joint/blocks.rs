@@ -2,8 +2,9 @@
 
 use tempco::{TableError, Thermal, ThermalPoint, ThermalSettings};
 
+use crate::core_run::{is_usable, with_every_rate};
 use crate::digest::SamplePoint;
-use crate::regress::{ChannelData, is_usable, with_every_rate};
+use crate::regress::ChannelData;
 
 /// Block means of a channel. Constants per log and axis are taken out, so that sums of squares
 /// keep their digits.

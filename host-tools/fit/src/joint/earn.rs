@@ -6,7 +6,8 @@
 
 use crate::joint::gram::Gram;
 use crate::joint::lag::log_likelihood;
-use crate::joint::states::{Shape, Term};
+use crate::joint::states::Shape;
+use crate::set::Term;
 
 /// The narrowest play \[degC\].
 const LEAST_WIDTH_C: f64 = 0.2;

@@ -10,7 +10,8 @@ use crate::joint::gram::Gram;
 use crate::joint::lag::{Lag, Regressors, Search};
 use crate::joint::layout::Layout;
 use crate::joint::select::{Choice, Question, Spline, Tried};
-use crate::joint::states::{Shape, Term, block_states};
+use crate::joint::states::{Shape, block_states, sort};
+use crate::set::Term;
 
 /// States take ramps of this many rates. With one, what does not depend on the rate cannot be told
 /// from what does, nor one lag from another.
@@ -130,7 +131,7 @@ impl Question<'_> {
         // Without each fold the choice is from the first grid and from what was found on all data.
         let mut terms = columns.bounds.grid();
         terms.extend(shapes.iter().flat_map(|(_, shape)| shape.terms()));
-        Term::sort(&mut terms);
+        sort(&mut terms);
         let grams = columns.grams(&terms, folds);
         let leading = columns.basis.columns_without_states();
         shapes

@@ -2,6 +2,7 @@
 
 use tempco::{ThermalPoint, ThermalSettings};
 
+use crate::core_run::with_every_rate;
 use crate::fit::{ChannelFit, FitError};
 use crate::joint::basis::RateForm;
 use crate::joint::blocks::{Blocks, SamplePoints};
@@ -9,10 +10,11 @@ use crate::joint::covariance::of_combinations;
 use crate::joint::select::Spline;
 use crate::joint::solve::{AxisSolution, Rows, solve_axes};
 use crate::joint::states::sample_states;
-use crate::regress::{ChannelData, with_every_rate};
+use crate::model::TERMS;
+use crate::regress::ChannelData;
 use crate::segment::{Overlap, Segment, Segmentation};
 use crate::set::{CoefficientSigmas, GainSet, NoiseSet, SegmentSet};
-use crate::solve::{LEAST_SPAN, Place, SegmentRows, TERMS, Unfit};
+use crate::solve::{LEAST_SPAN, Place, SegmentRows, Unfit};
 
 /// Fits a spline model with the settings' thermal path at its lag; an axis without its rate terms
 /// or earned states keeps the rest.

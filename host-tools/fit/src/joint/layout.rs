@@ -1,9 +1,8 @@
 //! Number and place of breakpoints.
 
-use serde::{Deserialize, Serialize};
-
 use crate::joint::basis::{Basis, RateForm};
 use crate::segment::Segmentation;
+use crate::set::Place;
 
 /// The most segments that are tried.
 pub(crate) const MOST_SEGMENTS: usize = 12;
@@ -11,29 +10,6 @@ pub(crate) const MOST_SEGMENTS: usize = 12;
 /// Breakpoints at quantiles go to the nearest of this many edges, so that the table needs no more
 /// cells.
 const EDGES: f64 = 64.0;
-
-/// Where the breakpoints are.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Place {
-    /// Segments of equal width.
-    Uniform,
-    /// About as much time in each segment.
-    Quantile,
-    /// As asked for.
-    Given,
-}
-
-impl Place {
-    /// The place as it is written in sets.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Uniform => "uniform",
-            Self::Quantile => "quantile",
-            Self::Given => "given",
-        }
-    }
-}
 
 /// A division of the range that does not depend on where the range ends.
 #[derive(Clone, Debug, PartialEq)]

@@ -14,7 +14,6 @@ mod layout;
 #[cfg(test)]
 mod reference;
 mod select;
-mod selection;
 mod solve;
 mod states;
 
@@ -24,7 +23,4 @@ pub(crate) use earned::LEAST_RATES;
 pub(crate) use fit::fit;
 pub(crate) use gram::Gram;
 pub(crate) use lag::FixedLag;
-pub use layout::Place;
 pub(crate) use select::{Choice, Chosen, Question, Spline};
-pub use selection::{Candidate, HeldOutErrors, Selection};
-pub(crate) use states::Term;

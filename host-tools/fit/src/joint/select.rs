@@ -7,13 +7,12 @@ use crate::joint::blocks::Blocks;
 use crate::joint::crossval::HeldOut;
 use crate::joint::folds::{Folds, LEAST_FOLDS};
 use crate::joint::lag::{FixedLag, Lag, Regressors, Search};
-use crate::joint::layout::{Layout, MOST_SEGMENTS, Place};
-use crate::joint::selection::{Candidate, HeldOutErrors, Selection};
+use crate::joint::layout::{Layout, MOST_SEGMENTS};
 use crate::joint::states::{Shape, block_states};
 use crate::regress::ChannelData;
 use crate::rfactor::RFactor;
 use crate::segment::{Overlap, Segmentation};
-use crate::set::Model;
+use crate::set::{Candidate, HeldOutErrors, Model, Place, Selection};
 use crate::solve::{LEAST_SHARE, SENSOR_NOISE_C};
 
 /// Segments of the basis with which the lag is searched.

@@ -8,6 +8,7 @@ use tempco::{History, HistoryState, Interval, Play, SlowPart, Thermal, ThermalSe
 
 use crate::joint::blocks::{Blocks, SamplePoints};
 use crate::joint::lag::Regressors;
+use crate::set::Term;
 
 /// No lag is limited while fitting \[degC\].
 const NO_LIMIT_C: f32 = 1e3;
@@ -15,13 +16,6 @@ const NO_LIMIT_C: f32 = 1e3;
 /// Longest time constant of a thermal path \[s\]. Means over blocks are further apart than rows,
 /// and are run with the interval of such a path, to which they are no gap.
 const LONGEST_TAU_S: f32 = 6000.0;
-
-/// A term of the history, all but its gains.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Term {
-    Play { half_width_c: f64 },
-    SlowPart { tau_s: f64 },
-}
 
 /// The terms of a model.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -53,54 +47,52 @@ impl Shape {
     }
 }
 
-impl Term {
-    /// Puts plays first, each kind ascending.
-    pub(crate) fn sort(terms: &mut [Self]) {
-        let key = |term: &Self| match *term {
-            Self::Play { half_width_c } => (0, half_width_c),
-            Self::SlowPart { tau_s } => (1, tau_s),
-        };
-        terms.sort_by(|a, b| {
-            let (a, b) = (key(a), key(b));
-            a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
-        });
-    }
+/// Puts plays first, each kind ascending.
+pub(crate) fn sort(terms: &mut [Term]) {
+    let key = |term: &Term| match *term {
+        Term::Play { half_width_c } => (0, half_width_c),
+        Term::SlowPart { tau_s } => (1, tau_s),
+    };
+    terms.sort_by(|a, b| {
+        let (a, b) = (key(a), key(b));
+        a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
+    });
+}
 
-    /// What the gain of the term multiplies, over a series of effective temperatures, each with the
-    /// interval since the one before \[degC\].
-    ///
-    /// # Panics
-    /// If the core refuses the term.
-    pub(crate) fn follow(
-        self,
-        start_c: f32,
-        series: impl Iterator<Item = (Interval, f32)>,
-    ) -> Vec<f32> {
-        let checked = "the search stays within the core's bounds";
-        match self {
-            Self::Play { half_width_c } => {
-                let play = Play {
-                    half_width_c: half_width_c as f32,
-                    gain: [],
-                };
-                let history = History::<0, 1, 0>::new(0.0, [play], []).expect(checked);
-                let mut state = HistoryState::new(start_c);
-                series
-                    .map(|(interval, u)| state.update(&history, &interval, u).plays_c[0])
-                    .collect()
-            }
-            Self::SlowPart { tau_s } => {
-                let part = SlowPart {
-                    tau_s: tau_s as f32,
-                    limit_c: NO_LIMIT_C,
-                    gain: [],
-                };
-                let history = History::<0, 0, 1>::new(0.0, [], [part]).expect(checked);
-                let mut state = HistoryState::new(start_c);
-                series
-                    .map(|(interval, u)| state.update(&history, &interval, u).lags_c[0])
-                    .collect()
-            }
+/// What the gain of the term multiplies, over a series of effective temperatures, each with the
+/// interval since the one before \[degC\].
+///
+/// # Panics
+/// If the core refuses the term.
+pub(crate) fn follow(
+    term: Term,
+    start_c: f32,
+    series: impl Iterator<Item = (Interval, f32)>,
+) -> Vec<f32> {
+    let checked = "the search stays within the core's bounds";
+    match term {
+        Term::Play { half_width_c } => {
+            let play = Play {
+                half_width_c: half_width_c as f32,
+                gain: [],
+            };
+            let history = History::<0, 1, 0>::new(0.0, [play], []).expect(checked);
+            let mut state = HistoryState::new(start_c);
+            series
+                .map(|(interval, u)| state.update(&history, &interval, u).plays_c[0])
+                .collect()
+        }
+        Term::SlowPart { tau_s } => {
+            let part = SlowPart {
+                tau_s: tau_s as f32,
+                limit_c: NO_LIMIT_C,
+                gain: [],
+            };
+            let history = History::<0, 0, 1>::new(0.0, [], [part]).expect(checked);
+            let mut state = HistoryState::new(start_c);
+            series
+                .map(|(interval, u)| state.update(&history, &interval, u).lags_c[0])
+                .collect()
         }
     }
 }
@@ -134,7 +126,7 @@ pub(crate) fn block_states(
         let mut values = Vec::with_capacity(count);
         for log in series.chunk_by(|a, b| a.0 == b.0) {
             let points = log.iter().map(|&(_, interval, u)| (interval, u));
-            values.extend(term.follow(log[0].2, points).into_iter().map(f64::from));
+            values.extend(follow(*term, log[0].2, points).into_iter().map(f64::from));
         }
         values
     };
@@ -148,7 +140,7 @@ pub(crate) fn sample_states(points: &SamplePoints, terms: &[Term]) -> Vec<Vec<Ve
             .of_log(log)
             .iter()
             .map(|sample| (sample.interval, sample.point.effective_c));
-        term.follow(points.start_c(log), series)
+        follow(*term, points.start_c(log), series)
     };
     let logs = 0..points.logs();
     let of_term = |term: &Term| logs.clone().map(|log| of_log(term, log)).collect();
@@ -194,7 +186,7 @@ mod tests {
         let alone: Vec<Vec<f32>> = shape
             .terms()
             .iter()
-            .map(|term| term.follow(20.0, series()))
+            .map(|&term| follow(term, 20.0, series()))
             .collect();
         for (i, u) in temps().enumerate() {
             let point = state.update(&history, &interval, u);

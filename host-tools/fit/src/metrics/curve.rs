@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::Measured;
+use super::measured::Measured;
 use crate::allan::{
     AllanPoint, BiasInstability, RandomWalk, bias_instability, longest_stretch, overlapping,
     random_walk,

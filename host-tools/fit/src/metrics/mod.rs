@@ -15,8 +15,6 @@ pub use hysteresis::Hysteresis;
 pub use measured::Measured;
 pub use stability::{Sigmas, Stability};
 
-pub(crate) use means::Means;
-
 use std::ops::RangeInclusive;
 
 use serde::Serialize;
@@ -24,12 +22,13 @@ use thiserror::Error;
 
 use crate::apply::{Applied, ApplyError, ChannelInputs, apply, inputs};
 use crate::assemble;
+use crate::core_run::{points_of, with_every_rate};
 use crate::log::Log;
-use crate::regress::{points_of, with_every_rate};
 use crate::set::{ChannelSet, CoefficientSet, CoefficientSigmas, SegmentSet, SignOff};
 use crate::unit::AxisUnit;
 use correlation::pearson;
 use hysteresis::Bins;
+use means::Means;
 use reference::Reference;
 
 /// Averaging times that can be asked for \[s\]: from the shortest time between rows to decades.

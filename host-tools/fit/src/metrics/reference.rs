@@ -2,7 +2,7 @@
 
 use crate::apply::{ApplyError, apply};
 use crate::log::Log;
-use crate::metrics::Means;
+use crate::metrics::means::Means;
 use crate::set::CoefficientSet;
 
 /// Bias stability of the reference: by axis and averaging time.

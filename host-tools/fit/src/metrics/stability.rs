@@ -2,7 +2,8 @@
 
 use serde::Serialize;
 
-use super::{Means, Measured};
+use super::means::Means;
+use super::measured::Measured;
 use crate::apply::AxisOutput;
 use crate::log::Log;
 

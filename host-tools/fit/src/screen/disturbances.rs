@@ -4,7 +4,8 @@ use tempco::{TableError, ThermalSettings};
 
 use crate::joint::{Basis, Blocks, Gram, RateForm, SparseRow, dot};
 use crate::regress::ChannelData;
-use crate::screen::{BiasStep, SIGMA_PER_MAD, steps};
+use crate::screen::{SIGMA_PER_MAD, steps};
+use crate::set::BiasStep;
 use crate::thinned::median;
 
 /// Blocks further from the fit than this many standard deviations are left out.

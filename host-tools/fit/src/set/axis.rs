@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::joint::HeldOutErrors;
+use super::HeldOutErrors;
 use crate::model::Polynomial;
 use crate::unit::AxisUnit;
 

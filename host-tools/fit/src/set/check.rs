@@ -5,12 +5,10 @@ use std::ops::RangeInclusive;
 
 use super::table::numbers;
 use super::{
-    AxisSet, AxisStatistics, ChannelSet, CoefficientSet, CoefficientSigmas, FORMAT_VERSION,
-    NoiseSet, SegmentSet,
+    AxisSet, AxisStatistics, Candidate, ChannelSet, CoefficientSet, CoefficientSigmas,
+    FORMAT_VERSION, HeldOutErrors, NoiseSet, Screening, SegmentSet, Selection,
 };
-use crate::joint::{Candidate, HeldOutErrors, Selection};
 use crate::model::AxisModel;
-use crate::screen::Screening;
 use crate::segment::Overlap;
 use crate::tabulate;
 

@@ -3,10 +3,23 @@
 use serde::{Deserialize, Serialize};
 use tempco::{Play, SlowPart};
 
-use super::{ChannelSet, GainSet};
-
 /// The most plays and slow parts of a table.
 pub(super) const MOST: (usize, usize) = (2, 1);
+
+/// A term of the history, all but its gains.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Term {
+    /// A hysteresis term.
+    Play {
+        /// Half width of the slot \[degC\].
+        half_width_c: f64,
+    },
+    /// A second lag.
+    SlowPart {
+        /// Time constant \[s\].
+        tau_s: f64,
+    },
+}
 
 /// A hysteresis term of the core ([`tempco::Play`]).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -55,41 +68,6 @@ impl SlowPartData {
             tau_s: self.tau_s,
             limit_c: self.limit_c,
             gain: std::array::from_fn(|axis| self.gain[first_axis + axis]),
-        }
-    }
-}
-
-/// Gives all channels as many plays and slow parts as the one with the most, by terms without
-/// gain: firmware has one type of table for all channels.
-pub(crate) fn level_history(channels: &mut [ChannelSet]) {
-    let most = |count: fn(&ChannelSet) -> usize| channels.iter().map(count).max().unwrap_or(0);
-    let plays = most(|channel| channel.table.plays.len());
-    let slow_parts = most(|channel| channel.table.slow_parts.len());
-    for channel in channels {
-        let axes = channel.axes.len();
-        let table = &mut channel.table;
-        let before = table.plays.len();
-        let gain = vec![0.0; axes];
-        table.plays.resize(
-            plays,
-            PlayData {
-                half_width_c: 0.0,
-                gain: gain.clone(),
-            },
-        );
-        table.slow_parts.resize(
-            slow_parts,
-            SlowPartData {
-                tau_s: table.thermal.tau_s,
-                limit_c: 0.0,
-                gain,
-            },
-        );
-        for axis in &mut channel.axes {
-            let of_slow = axis.gains.split_off(before.min(axis.gains.len()));
-            axis.gains.resize(plays, GainSet::default());
-            axis.gains.extend(of_slow);
-            axis.gains.resize(plays + slow_parts, GainSet::default());
         }
     }
 }

@@ -7,8 +7,11 @@ mod emit;
 mod folder;
 mod history;
 mod image;
+mod model_kind;
 mod of_image;
 mod provenance;
+mod screening;
+mod selection;
 mod table;
 
 pub use axis::{AxisSet, AxisStatistics, CoefficientSigmas, GainSet, NoiseSet};
@@ -16,19 +19,19 @@ pub use c_header::table_h;
 pub use check::SCALE_FACTORS_ARCSEC;
 pub use emit::table_rs;
 pub use folder::{MARK, REPORT, TABLE_BIN, WriteError, file_names, strangers, write_set};
-pub(crate) use history::level_history;
-pub use history::{PlayData, SlowPartData};
+pub use history::{PlayData, SlowPartData, Term};
 pub use image::table_bin;
+pub use model_kind::Model;
 pub use of_image::set_of_image;
 pub use provenance::{Input, Provenance, SignOff};
+pub use screening::{BiasStep, Screening, Stretch};
+pub use selection::{Candidate, HeldOutErrors, Place, Selection};
 pub use table::{TableData, TableUse, use_tables};
 pub(crate) use table::{numbers, use_axis};
 
 use serde::{Deserialize, Serialize};
 
-use crate::joint::Selection;
 use crate::model::{Mismatch, mismatches};
-use crate::screen::Screening;
 use crate::segment::{Overlap, Segment, SegmentError, Segmentation};
 
 /// Version of the JSON format; a reader refuses another one.
@@ -71,40 +74,6 @@ pub struct Settings {
     pub overlap: Overlap,
     /// Angle per pulse \[arcsec\], if pulse counts were turned into deg/h.
     pub scale_factor_arcsec: Option<f64>,
-}
-
-/// Form of the model.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Model {
-    /// `a0 + a1 T + a2 T^2`
-    Static,
-    /// `a0 + a1 T + a2 T^2 + a3 T' + a4 T T'`
-    Composite,
-    /// The same terms in every segment, the static part continuous in value and slope, the rate
-    /// part in value; fitted together with the lag shift.
-    Spline,
-    /// Whichever of the others does best on soaks and ramps it was not fitted to.
-    Auto,
-}
-
-impl Model {
-    /// The form as it is written in settings.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Static => "static",
-            Self::Composite => "composite",
-            Self::Spline => "spline",
-            Self::Auto => "auto",
-        }
-    }
-
-    pub(crate) const fn terms(self) -> usize {
-        match self {
-            Self::Static => 3,
-            Self::Composite | Self::Spline | Self::Auto => 5,
-        }
-    }
 }
 
 /// The axes that share a temperature, and their table.

@@ -12,16 +12,14 @@ use crate::log::Log;
 use crate::segment::Overlap;
 use crate::unit::AxisUnit;
 
-impl From<Unit> for AxisUnit {
-    fn from(unit: Unit) -> Self {
-        match unit {
-            Unit::Dph => Self::Dph,
-            Unit::Dps => Self::Dps,
-            Unit::Radps => Self::Radps,
-            Unit::PulsesPerS => Self::PulsesPerS,
-            Unit::Mps2 => Self::Mps2,
-            Unit::G => Self::G,
-        }
+fn axis_unit(unit: Unit) -> AxisUnit {
+    match unit {
+        Unit::Dph => AxisUnit::Dph,
+        Unit::Dps => AxisUnit::Dps,
+        Unit::Radps => AxisUnit::Radps,
+        Unit::PulsesPerS => AxisUnit::PulsesPerS,
+        Unit::Mps2 => AxisUnit::Mps2,
+        Unit::G => AxisUnit::G,
     }
 }
 
@@ -49,7 +47,7 @@ pub fn set_of_image(image: &Image, log: &Log) -> Result<CoefficientSet, String> 
         let channel = image.channel(number).map_err(explain)?;
         let axes = of_log.axes.iter().zip(channel.units.into_iter().flatten());
         let axes = axes.map(|(axis, unit)| {
-            let unit = AxisUnit::from(unit);
+            let unit = axis_unit(unit);
             if axis.unit == unit {
                 Ok(axis_set(&axis.name, unit))
             } else {

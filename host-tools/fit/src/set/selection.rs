@@ -2,8 +2,30 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::joint::layout::Place;
-use crate::set::Model;
+use super::Model;
+
+/// Where the breakpoints are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Place {
+    /// Segments of equal width.
+    Uniform,
+    /// About as much time in each segment.
+    Quantile,
+    /// As asked for.
+    Given,
+}
+
+impl Place {
+    /// The place as it is written in sets.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Uniform => "uniform",
+            Self::Quantile => "quantile",
+            Self::Given => "given",
+        }
+    }
+}
 
 /// A model as it stood to choice.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -1,0 +1,45 @@
+//! Regressors of a log, computed by the core that flies.
+
+use tempco::{Interval, Status, TableError, Thermal, ThermalPoint, ThermalSettings, ThermalState};
+
+use crate::log::Log;
+
+/// Rows whose temperature was not believed are not fitted.
+const UNUSABLE: [Status; 4] = [
+    Status::TEMPERATURE_INVALID,
+    Status::TEMPERATURE_SPIKE,
+    Status::TEMPERATURE_LOST,
+    Status::INTERVAL_INVALID,
+];
+
+/// Runs a channel's temperatures through the core, starting as firmware does after power-on.
+pub fn thermal_points(log: &Log, channel: usize, thermal: &Thermal) -> Vec<ThermalPoint> {
+    points_of(log, &log.channels[channel].temp_c, thermal)
+}
+
+/// Runs one temperature of each row through the core.
+pub(crate) fn points_of(log: &Log, temps_c: &[f32], thermal: &Thermal) -> Vec<ThermalPoint> {
+    let mut state = ThermalState::new(thermal);
+    state.start(thermal, temps_c[0]);
+    log.intervals_s()
+        .zip(temps_c)
+        .map(|(dt_s, &temp_c)| state.update(thermal, &Interval::new(thermal, dt_s), temp_c))
+        .collect()
+}
+
+/// The thermal path with limits that no rate reaches.
+///
+/// # Errors
+/// Settings that the core refuses.
+pub(crate) fn with_every_rate(settings: ThermalSettings) -> Result<Thermal, TableError> {
+    Thermal::new(ThermalSettings {
+        rate_min_c_per_min: -1e4,
+        rate_max_c_per_min: 1e4,
+        ..settings
+    })
+}
+
+/// Whether a row may enter a fit.
+pub(crate) fn is_usable(point: &ThermalPoint) -> bool {
+    !UNUSABLE.iter().any(|flag| point.status.intersects(*flag))
+}
