@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::fs;
 
-use tempco_fit::parallel;
+use tempco_log::parallel;
 use tempco_tests::{Bench, root};
 
 const BEGIN: &str = "<!-- plan -->\n";

@@ -1,6 +1,6 @@
 //! Numbers on the command line: whatever is given, every command ends, and none panics.
 
-use tempco_fit::parallel;
+use tempco_log::parallel;
 use tempco_tests::Bench;
 
 /// Numbers that no option can take.

@@ -7,8 +7,8 @@ use anyhow::Result;
 use tempco::Status;
 use tempco_fit::apply::{Applied, apply, inputs};
 use tempco_fit::escape::csv_cell;
-use tempco_fit::log::Log;
 use tempco_fit::set::CoefficientSet;
+use tempco_log::Log;
 
 use crate::Verdict;
 use crate::output::{print, say, write_file};

@@ -10,9 +10,8 @@ use tempco_fit::batch::{
 use tempco_fit::digest::{Plan, digest_file};
 use tempco_fit::files::write_files;
 use tempco_fit::fit::{FitOptions, fit_digests};
-use tempco_fit::log::ReadOptions;
-use tempco_fit::parallel;
 use tempco_fit::rerun::is_rereadable;
+use tempco_log::{ReadOptions, parallel};
 use tempco_report::Judgement;
 
 use crate::Verdict;

@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
 use tempco_fit::files::write_files;
-use tempco_fit::log::ReadOptions;
 use tempco_fit::rerun::{Reread, is_rereadable, rerun};
 use tempco_fit::set::CoefficientSet;
+use tempco_log::ReadOptions;
 use tempco_report::{Gatherer, LogTimes, Report};
 
 use crate::progress::Progress;

@@ -4,14 +4,13 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Error, Result};
 use tempco_fit::digest::{LogDigest, Plan, digest_file};
-use tempco_fit::log::{
-    AxisColumn, Log, Mapping, ReadOptions, TempColumn, list_names, read_log_observed,
-};
 use tempco_fit::metrics::TAU_RANGE_S;
-use tempco_fit::parallel;
 use tempco_fit::set::{CoefficientSet, SCALE_FACTORS_ARCSEC, set_of_image};
-use tempco_fit::unit::COLUMN_UNITS;
 use tempco_fit::{check_folder, load_set};
+use tempco_log::{
+    AxisColumn, COLUMN_UNITS, Log, Mapping, ReadOptions, TempColumn, list_names, parallel,
+    read_log_observed,
+};
 
 use crate::image::{Placed, is_image};
 use crate::output::say;

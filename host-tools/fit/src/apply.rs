@@ -1,9 +1,9 @@
 //! Applies a set to a log by running the core over it.
 
 use tempco::{Compensator, Interval, Output, Status, Table, TableError};
+use tempco_log::Log;
 use thiserror::Error;
 
-use crate::log::Log;
 use crate::set::{ChannelSet, CoefficientSet, TableUse, use_tables};
 
 /// The most axes a channel can have.

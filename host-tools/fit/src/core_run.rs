@@ -1,8 +1,7 @@
 //! Regressors of a log, computed by the core that flies.
 
 use tempco::{Interval, Status, TableError, Thermal, ThermalPoint, ThermalSettings, ThermalState};
-
-use crate::log::Log;
+use tempco_log::Log;
 
 /// Rows whose temperature was not believed are not fitted.
 const UNUSABLE: [Status; 4] = [

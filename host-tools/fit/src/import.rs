@@ -9,13 +9,12 @@ use std::path::Path;
 use serde::Deserialize;
 use sha2::{Digest, Sha256};
 use tempco::ThermalSettings;
+use tempco_log::{AxisUnit, hex};
 
 use crate::assemble::{self, Fitted};
-use crate::log::hex;
 use crate::model::{Polynomial, TERMS};
 use crate::segment::{Overlap, Segment, Segmentation};
 use crate::set::{AxisSet, CoefficientSet, Input, Model, Provenance, SegmentSet, Settings};
-use crate::unit::AxisUnit;
 
 #[derive(Deserialize)]
 struct Row {

@@ -23,10 +23,8 @@ pub mod fit;
 mod import;
 mod joint;
 mod load;
-pub mod log;
 pub mod metrics;
 pub mod model;
-pub mod parallel;
 mod regress;
 pub mod rerun;
 pub mod rfactor;
@@ -39,8 +37,6 @@ mod statistics;
 mod tabulate;
 #[cfg(test)]
 mod testing;
-mod thinned;
-pub mod unit;
 
 pub use core_run::thermal_points;
 pub use load::{SetError, check_folder, load_set, read_set};

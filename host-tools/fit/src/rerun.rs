@@ -6,11 +6,11 @@
 use std::path::{Path, PathBuf};
 
 use tempco::{Compensator, Interval, Status, Table, TableError, ThermalPoint, ThermalState};
+use tempco_log::{Chunk, LogError, LogStream, ReadOptions};
 use thiserror::Error;
 
 use crate::apply::{ApplyError, AxisOutput, push_row};
 use crate::core_run::with_every_rate;
-use crate::log::{Chunk, LogError, LogStream, ReadOptions};
 use crate::set::{ChannelSet, CoefficientSet, TableUse, use_tables};
 
 /// A log and what is known of it from the first reading.

@@ -4,11 +4,10 @@ mod worlds;
 
 use tempco::{Thermal, ThermalSettings};
 use tempco_fit::fit::{FitOptions, States, fit};
-use tempco_fit::log::Log;
 use tempco_fit::segment::Overlap;
 use tempco_fit::set::{CoefficientSet, Model};
 use tempco_fit::thermal_points;
-use tempco_fit::unit::AxisUnit;
+use tempco_log::{AxisUnit, Log};
 use worlds::{Programme, Random, World, simulate};
 
 fn options(model: Model) -> FitOptions {

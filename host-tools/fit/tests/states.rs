@@ -9,9 +9,8 @@ use tempco::{
 use tempco_fit::apply::apply;
 use tempco_fit::fit::{Fit, FitOptions, States, fit};
 use tempco_fit::load_set;
-use tempco_fit::log::Log;
 use tempco_fit::set::{CoefficientSet, GainSet, Model, PlayData, SlowPartData, table_rs};
-use tempco_fit::unit::AxisUnit;
+use tempco_log::{AxisUnit, Log};
 use worlds::{Programme, Random, World, simulate};
 
 /// A unit of one axis that is a table of the core.

@@ -4,9 +4,9 @@ use std::path::Path;
 
 use tempco_fit::apply::apply;
 use tempco_fit::fit::{FitOptions, fit};
-use tempco_fit::log::{ReadOptions, read_log};
 use tempco_fit::rerun::{Reread, rerun};
 use tempco_fit::set::Model;
+use tempco_log::{ReadOptions, read_log};
 
 fn written(folder: &Path, bytes: &str) -> Reread {
     let path = folder.join("log.csv");

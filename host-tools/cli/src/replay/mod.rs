@@ -9,8 +9,8 @@ use std::str::FromStr;
 use anyhow::{Error, Result, anyhow, ensure};
 use tempco_fit::apply::{ChannelInputs, inputs};
 use tempco_fit::files::ScratchFolder;
-use tempco_fit::log::Log;
 use tempco_fit::set::{CoefficientSet, table_bin, table_rs};
+use tempco_log::Log;
 use tempco_qemu::{Board, Variant, Workspace, build_variant, ensure_qemu, ensure_target_of};
 use tempco_replay::Sample;
 

@@ -2,9 +2,10 @@
 
 use std::path::Path;
 
+use tempco_log::{Chunk, Intervals, Log, LogError, LogStream, ReadOptions};
+
 use crate::digest::channel::ChannelDigester;
 use crate::digest::{AxisName, ChannelDigest, LogDigest, Plan};
-use crate::log::{Chunk, Intervals, Log, LogError, LogStream, ReadOptions};
 
 /// Rows from which the interval is taken that the core's first step and the grid start with.
 const FIRST_ROWS: usize = 4096;
@@ -13,7 +14,7 @@ const FIRST_ROWS: usize = 4096;
 /// `observer` from time to time how many more bytes of the file were read.
 ///
 /// # Errors
-/// Those of [`read_log`](crate::log::read_log).
+/// Those of [`read_log`](tempco_log::read_log).
 pub fn digest_file(
     path: &Path,
     options: &ReadOptions,

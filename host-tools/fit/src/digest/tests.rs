@@ -4,13 +4,13 @@ use std::fmt::Write;
 
 use proptest::prelude::*;
 use tempco::ThermalSettings;
+use tempco_log::{Axis, Channel, Log, ReadOptions, read_log};
 use tempco_twin::{Profile, Simulation, Unit};
 
 use super::grid::{Grid, MOST_BLOCKS};
 use super::*;
 use crate::core_run::with_every_rate;
 use crate::fit::{FitOptions, fit, fit_digests};
-use crate::log::{Axis, Channel, Log, ReadOptions, read_log};
 use crate::regress::ChannelData;
 use crate::rfactor::RFactor;
 use crate::set::Model;

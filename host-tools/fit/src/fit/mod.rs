@@ -9,6 +9,7 @@ use channel::Findings;
 pub use error::FitError;
 
 use tempco::ThermalSettings;
+use tempco_log::{Log, parallel};
 
 use crate::assemble;
 use crate::core_run::with_every_rate;
@@ -16,9 +17,7 @@ use crate::digest::{LogDigest, Plan, digest_log};
 use crate::joint::{
     self, Blocks, Choice, Chosen, FixedLag, LEAST_RATES, Question, RateForm, Spline,
 };
-use crate::log::Log;
 use crate::metrics::TAU_RANGE_S;
-use crate::parallel;
 use crate::regress::ChannelData;
 use crate::screen::screen;
 use crate::segment::{Overlap, Segmentation};

@@ -1,6 +1,7 @@
 //! Allan deviations of an axis, before and after.
 
 use serde::Serialize;
+use tempco_log::{AxisUnit, Log};
 
 use super::measured::Measured;
 use crate::allan::{
@@ -8,8 +9,6 @@ use crate::allan::{
     random_walk,
 };
 use crate::apply::AxisOutput;
-use crate::log::Log;
-use crate::unit::AxisUnit;
 
 /// Allan deviations of an axis over the longest stretch of its log without a gap.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -1,6 +1,6 @@
 //! Means over consecutive stretches of time, and their spread.
 
-use crate::log::Log;
+use tempco_log::Log;
 
 /// A stretch of `tau` counts where at least this share of its rows is there; loggers drop rows.
 const LEAST_COVERAGE: f64 = 0.25;

@@ -18,14 +18,13 @@ pub use stability::{Sigmas, Stability};
 use std::ops::RangeInclusive;
 
 use serde::Serialize;
+use tempco_log::{AxisUnit, Log};
 use thiserror::Error;
 
 use crate::apply::{Applied, ApplyError, ChannelInputs, apply, inputs};
 use crate::assemble;
 use crate::core_run::{points_of, with_every_rate};
-use crate::log::Log;
 use crate::set::{ChannelSet, CoefficientSet, CoefficientSigmas, SegmentSet, SignOff};
-use crate::unit::AxisUnit;
 use correlation::pearson;
 use hysteresis::Bins;
 use means::Means;

@@ -1,7 +1,8 @@
 //! What a compensation is compared with, beside none.
 
+use tempco_log::Log;
+
 use crate::apply::{ApplyError, apply};
-use crate::log::Log;
 use crate::metrics::means::Means;
 use crate::set::CoefficientSet;
 

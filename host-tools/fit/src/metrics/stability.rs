@@ -1,11 +1,11 @@
 //! Bias stability at one averaging time.
 
 use serde::Serialize;
+use tempco_log::Log;
 
 use super::means::Means;
 use super::measured::Measured;
 use crate::apply::AxisOutput;
-use crate::log::Log;
 
 /// Bias stability at one averaging time.
 #[derive(Clone, Debug, PartialEq, Serialize)]

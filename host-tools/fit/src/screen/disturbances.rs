@@ -1,12 +1,12 @@
 //! Blocks that are far from what temperature and its rate explain.
 
 use tempco::{TableError, ThermalSettings};
+use tempco_log::decimate::median;
 
 use crate::joint::{Basis, Blocks, Gram, RateForm, SparseRow, dot};
 use crate::regress::ChannelData;
 use crate::screen::{SIGMA_PER_MAD, steps};
 use crate::set::BiasStep;
-use crate::thinned::median;
 
 /// Blocks further from the fit than this many standard deviations are left out.
 const LIMIT: f64 = 6.0;

@@ -1,7 +1,8 @@
 //! Sudden and lasting changes of the bias.
 
+use tempco_log::decimate::median;
+
 use crate::screen::SIGMA_PER_MAD;
-use crate::thinned::median;
 
 /// Means over this long before and after are compared \[s\] ...
 const LASTING_S: f64 = 1200.0;

@@ -1,10 +1,10 @@
 //! One axis of a set: its polynomials, how well they are known, and how well they do.
 
 use serde::{Deserialize, Serialize};
+use tempco_log::AxisUnit;
 
 use super::HeldOutErrors;
 use crate::model::Polynomial;
-use crate::unit::AxisUnit;
 
 /// One axis as fitted.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -5,9 +5,9 @@ use tempco_image::{
     AlignedBytes, Channel, ChannelHistory, Image, ImageError, Info, MAX_AXES, Unit, encode,
     encoded_len,
 };
+use tempco_log::AxisUnit;
 
 use super::{ChannelSet, CoefficientSet, TableData};
-use crate::unit::AxisUnit;
 
 /// Most bytes of an image: six axes of the most cells, each its own channel, with room for heads.
 const MOST_BYTES: usize = 6 * (100 + 20 * tempco::MAX_CELLS) + 256;

@@ -1,6 +1,7 @@
 //! A flash image as a set, for a log: an image has units and no names.
 
 use tempco_image::{Channel, Image, ImageError, Unit};
+use tempco_log::{AxisUnit, Log};
 
 use super::table::numbers;
 use super::{
@@ -8,9 +9,7 @@ use super::{
     TableData,
 };
 use crate::assemble;
-use crate::log::Log;
 use crate::segment::Overlap;
-use crate::unit::AxisUnit;
 
 fn axis_unit(unit: Unit) -> AxisUnit {
     match unit {

@@ -4,8 +4,7 @@
 
 use std::sync::LazyLock;
 
-use tempco_fit::log::{Axis, Channel, Log};
-use tempco_fit::unit::AxisUnit;
+use tempco_log::{Axis, AxisUnit, Channel, Log};
 use tempco_twin::Unit;
 
 /// Time between rows \[s\].

@@ -14,13 +14,13 @@ mod channel;
 mod spread;
 mod stretches;
 
+use tempco_fit::rerun::Answers;
+use tempco_fit::set::CoefficientSet;
+
 pub(crate) use allan::{Deviation, MOST_CLUSTERS};
 pub(crate) use axis::{Direction, GatheredAxis};
 pub(crate) use channel::{GatheredChannel, Map};
 pub(crate) use spread::Spread;
-
-use tempco_fit::rerun::Answers;
-use tempco_fit::set::CoefficientSet;
 
 use allan::AllanSums;
 use channel::ChannelSums;
@@ -204,10 +204,9 @@ mod tests {
     use tempco::{Status, ThermalPoint};
     use tempco_fit::apply::AxisOutput;
     use tempco_fit::fit::{FitOptions, fit};
-    use tempco_fit::log::{Axis, Channel, Log};
     use tempco_fit::rerun::ChannelAnswers;
     use tempco_fit::set::Model;
-    use tempco_fit::unit::AxisUnit;
+    use tempco_log::{Axis, AxisUnit, Channel, Log};
 
     use super::*;
 

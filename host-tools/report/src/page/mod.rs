@@ -6,7 +6,7 @@ mod tables;
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use tempco_fit::escape;
-use tempco_fit::unit::AxisUnit;
+use tempco_log::AxisUnit;
 
 use crate::Subject;
 use crate::figure::{AxisFigures, Figure, Figures, dark_rules};

@@ -2,11 +2,10 @@
 
 use anyhow::{Context, Result};
 use tempco_fit::fit::{FitOptions, fit};
-use tempco_fit::log::{Axis, Channel, Log};
 use tempco_fit::metrics::evaluate;
 use tempco_fit::segment::{Overlap, Segmentation};
 use tempco_fit::set::{CoefficientSet, Model};
-use tempco_fit::unit::AxisUnit;
+use tempco_log::{Axis, AxisUnit, Channel, Log};
 use tempco_twin::{AXIS_NAMES, DEFAULT_RATE_HZ, Profile, Simulation, Step, Unit};
 
 use super::printed::SEGMENTS;

@@ -72,7 +72,8 @@ impl LogError {
         }
     }
 
-    pub(crate) fn too_few_rows(path: &Path, found: usize) -> Self {
+    /// The log has too few rows.
+    pub fn too_few_rows(path: &Path, found: usize) -> Self {
         Self::file(
             path,
             format!("{found} usable rows after the header: expected at least 2"),

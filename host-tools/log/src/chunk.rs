@@ -28,7 +28,7 @@ impl Chunk {
     }
 
     /// Appends the rows of another chunk.
-    pub(crate) fn append(&mut self, other: &Self) {
+    pub fn append(&mut self, other: &Self) {
         self.time_s.extend_from_slice(&other.time_s);
         for (column, more) in self.temps_c.iter_mut().zip(&other.temps_c) {
             column.extend_from_slice(more);

@@ -118,22 +118,22 @@ impl LogStream {
     }
 
     /// Names of all columns.
-    pub(crate) fn header(&self) -> &[String] {
+    pub fn header(&self) -> &[String] {
         &self.layout.header
     }
 
     /// The columns of temperatures and axes, in the order of the chunks.
-    pub(crate) fn channels(&self) -> &[ChannelColumns] {
+    pub fn channels(&self) -> &[ChannelColumns] {
         &self.layout.columns.channels
     }
 
     /// Columns that were neither mapped nor recognised.
-    pub(crate) fn ignored(&self) -> &[String] {
+    pub fn ignored(&self) -> &[String] {
         &self.layout.columns.ignored
     }
 
     /// A chunk to which others of this log can be appended.
-    pub(crate) fn empty_chunk(&self) -> Chunk {
+    pub fn empty_chunk(&self) -> Chunk {
         self.layout.chunk(0)
     }
 }

@@ -1,38 +1,4 @@
-//! Chamber logs: typed, checked, in units.
-//!
-//! ```text
-//! source (digest, unpack) -> blocks -> rows -> order -> stream -+-> read (the whole log)
-//!                    parquet ----------------^         +-> digest
-//! ```
-
-mod blocks;
-mod chunk;
-mod columns;
-mod decimal;
-mod error;
-mod excerpt;
-mod interval;
-mod layout;
-mod order;
-mod pages;
-mod parquet;
-mod pipeline;
-mod read;
-mod records;
-mod rows;
-mod source;
-mod stream;
-#[cfg(test)]
-mod tests;
-
-pub use chunk::Chunk;
-pub use columns::{AxisColumn, Mapping, TempColumn};
-pub use error::LogError;
-pub use excerpt::list_names;
-pub(crate) use interval::Intervals;
-pub use read::{ReadOptions, read_log, read_log_observed};
-pub(crate) use source::hex;
-pub use stream::LogStream;
+//! A log in memory.
 
 use crate::unit::AxisUnit;
 

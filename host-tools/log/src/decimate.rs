@@ -3,7 +3,7 @@
 /// Keeps every so-manieth value of a series: all of a short one, of a longer one between half of
 /// `most` and `most`.
 #[derive(Clone, Debug)]
-pub(crate) struct Thinned {
+pub struct Thinned {
     values: Vec<f64>,
     most: usize,
     stride: usize,
@@ -12,9 +12,11 @@ pub(crate) struct Thinned {
 }
 
 impl Thinned {
+    /// A sample of at most `most` values.
+    ///
     /// # Panics
     /// If `most` is odd or 0, with which the spacing would not stay even.
-    pub(crate) fn new(most: usize) -> Self {
+    pub fn new(most: usize) -> Self {
         assert!(most > 0 && most.is_multiple_of(2));
         Self {
             values: Vec::new(),
@@ -25,7 +27,7 @@ impl Thinned {
     }
 
     /// Takes in the next `count` values of the series.
-    pub(crate) fn extend(&mut self, count: usize, value: impl Fn(usize) -> f64) {
+    pub fn extend(&mut self, count: usize, value: impl Fn(usize) -> f64) {
         let mut at = self.to_pass;
         while at < count {
             if self.values.len() == self.most {
@@ -43,19 +45,19 @@ impl Thinned {
     }
 
     /// Length of the series so far, about.
-    pub(crate) fn seen(&self) -> usize {
+    pub fn seen(&self) -> usize {
         self.values.len() * self.stride
     }
 
     /// Those that were kept.
-    pub(crate) fn values(&self) -> &[f64] {
+    pub fn values(&self) -> &[f64] {
         &self.values
     }
 }
 
 /// The median, of an even number of values the greater of the two in the middle; 0 of nothing.
 /// The order of `values` is lost.
-pub(crate) fn median(values: &mut [f64]) -> f64 {
+pub fn median(values: &mut [f64]) -> f64 {
     if values.is_empty() {
         return 0.0;
     }

@@ -1,19 +1,26 @@
 //! The usual time between rows.
 
-use crate::thinned::{Thinned, median};
+use crate::decimate::{Thinned, median};
 
 /// Intervals that are kept: of a longer log, an evenly spaced part.
 const MOST: usize = 1 << 16;
 
 /// The median time between the rows of a log, in memory that does not grow with it.
 #[derive(Debug)]
-pub(crate) struct Intervals {
+pub struct Intervals {
     kept: Thinned,
     last_s: Option<f64>,
 }
 
+impl Default for Intervals {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 impl Intervals {
-    pub(crate) fn new() -> Self {
+    /// Of no rows.
+    pub fn new() -> Self {
         Self {
             kept: Thinned::new(MOST),
             last_s: None,
@@ -21,7 +28,7 @@ impl Intervals {
     }
 
     /// Takes in the times of the next rows \[s\].
-    pub(crate) fn take(&mut self, time_s: &[f64]) {
+    pub fn take(&mut self, time_s: &[f64]) {
         let (Some(first), Some(last)) = (time_s.first(), time_s.last()) else {
             return;
         };
@@ -34,7 +41,7 @@ impl Intervals {
     }
 
     /// The median \[s\]; 0 of fewer than two rows.
-    pub(crate) fn median_s(&self) -> f64 {
+    pub fn median_s(&self) -> f64 {
         median(&mut self.kept.values().to_vec())
     }
 }

@@ -50,10 +50,13 @@ pub(crate) struct Columns {
     pub(crate) ignored: Vec<String>,
 }
 
+/// Positions of the columns of one channel.
 #[derive(Debug, PartialEq, Eq)]
-pub(crate) struct ChannelColumns {
-    pub(crate) temp: usize,
-    pub(crate) axes: Vec<(usize, AxisColumn)>,
+pub struct ChannelColumns {
+    /// The temperature.
+    pub temp: usize,
+    /// The axes.
+    pub axes: Vec<(usize, AxisColumn)>,
 }
 
 impl Columns {

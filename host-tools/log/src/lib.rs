@@ -1,0 +1,51 @@
+//! Chamber logs: typed, checked, in units.
+//!
+//! ```text
+//! source (hash, unpack) -> blocks -> rows -> order -> stream -+-> read (the whole log)
+//!                   parquet ----------------^         +-> chunks, for whoever reads in one pass
+//! ```
+//!
+//! | modules | what they do |
+//! | --- | --- |
+//! | `source`, `blocks`, `records`, `decimal`, `rows`, `pipeline` | text: unpacked, cut into blocks, parsed on all cores |
+//! | `parquet`, `pages` | tables of Parquet, in pages of bounded size |
+//! | `columns`, `layout`, [`AxisUnit`] | which column is what, in which unit |
+//! | `order`, `interval`, `stream`, `chunk` | rows in the order of time, in chunks |
+//! | `log`, `read` | a whole [`Log`] |
+//! | [`decimate`], [`parallel`] | an evenly spaced sample of a series; work on all cores |
+#![forbid(unsafe_code)]
+
+mod blocks;
+mod chunk;
+mod columns;
+mod decimal;
+pub mod decimate;
+mod error;
+mod excerpt;
+mod interval;
+mod layout;
+mod log;
+mod order;
+mod pages;
+pub mod parallel;
+mod parquet;
+mod pipeline;
+mod read;
+mod records;
+mod rows;
+mod source;
+mod stream;
+#[cfg(test)]
+mod tests;
+mod unit;
+
+pub use chunk::Chunk;
+pub use columns::{AxisColumn, ChannelColumns, Mapping, TempColumn};
+pub use error::LogError;
+pub use excerpt::list_names;
+pub use interval::Intervals;
+pub use log::{Axis, Channel, Log};
+pub use read::{ReadOptions, read_log, read_log_observed};
+pub use source::hex;
+pub use stream::LogStream;
+pub use unit::{AxisUnit, COLUMN_UNITS, ColumnUnit};
