@@ -2,8 +2,7 @@
 //! the table that flies makes of them.
 
 use plotters::prelude::*;
-use tempco_fit::load_set;
-use tempco_fit::segment::Overlap;
+use tempco_set::{Overlap, load_set};
 use tempco_tests::root;
 
 /// Blue, vermillion, green and purple of the Okabe-Ito palette.

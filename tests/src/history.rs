@@ -1,6 +1,6 @@
 //! A set with terms of the thermal history, without the long logs that it takes to earn them.
 
-use tempco_fit::set::{CoefficientSet, GainSet, PlayData, SlowPartData};
+use tempco_set::{CoefficientSet, GainSet, PlayData, SlowPartData};
 
 /// Gives a set of three axes two plays and a slow part. The second axis does without the second
 /// play.

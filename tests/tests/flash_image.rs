@@ -5,9 +5,8 @@ use std::process::Command;
 
 use serde_json::Value;
 use tempco::{Play, SlowPart};
-use tempco_fit::load_set;
-use tempco_fit::set::{CoefficientSet, PlayData, table_bin, table_h};
 use tempco_image::{AlignedBytes, Image, Info, encode};
+use tempco_set::{CoefficientSet, PlayData, load_set, table_bin, table_h};
 use tempco_tests::Bench;
 use tempco_tests::history::add_history;
 

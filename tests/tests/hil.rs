@@ -13,10 +13,10 @@ use std::thread;
 
 use serde_json::Value;
 use simulated::{Flash, Wire, image_of, serve};
-use tempco_fit::load_set;
 use tempco_hil::{Patience, Unit, open, replay};
 use tempco_image::{AlignedBytes, Image};
 use tempco_qemu::{Board, Machine, MachineOptions};
+use tempco_set::load_set;
 use tempco_tests::rig::{SERIAL, image};
 use tempco_tests::{Bench, root};
 

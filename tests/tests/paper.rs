@@ -1,7 +1,6 @@
 //! The printed tables of Weng et al., Sensors 2020, 20(2), 377.
 
-use tempco_fit::load_set;
-use tempco_fit::set::CoefficientSet;
+use tempco_set::{CoefficientSet, load_set};
 use tempco_tests::{Bench, shared};
 
 /// Table 2 as printed, a2 in units of 1e-5.

@@ -3,12 +3,11 @@
 use std::ops::Range;
 
 use tempco::{Thermal, ThermalSettings};
-use tempco_fit::apply::apply;
 use tempco_fit::fit::{Fit, FitOptions, fit};
 use tempco_fit::rfactor::RFactor;
-use tempco_fit::set::Model;
-use tempco_fit::thermal_points;
 use tempco_log::{Log, ReadOptions, read_log};
+use tempco_set::Model;
+use tempco_set::run::{apply, thermal_points};
 use tempco_tests::{Bench, shared};
 
 /// Runs a log through every command and returns what `fit` printed.

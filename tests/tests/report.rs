@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use serde_json::Value;
-use tempco_fit::load_set;
+use tempco_set::load_set;
 use tempco_tests::browser::{Browser, Findings, Screen};
 use tempco_tests::history::add_history;
 use tempco_tests::{Bench, PAPER_SEGMENTS, root, shared, tempco_path};

@@ -5,10 +5,10 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 use tempco::Status;
-use tempco_fit::apply::{Applied, apply, inputs};
-use tempco_fit::escape::csv_cell;
-use tempco_fit::set::CoefficientSet;
 use tempco_log::Log;
+use tempco_set::CoefficientSet;
+use tempco_set::escape::csv_cell;
+use tempco_set::run::{Applied, apply, inputs};
 
 use crate::Verdict;
 use crate::output::{print, say, write_file};

@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
 use tempco_fit::metrics::{Evaluation, Role, evaluate};
-use tempco_fit::rerun::Reread;
-use tempco_fit::set::CoefficientSet;
 use tempco_report::{Judgement, Report, Subject};
+use tempco_set::CoefficientSet;
+use tempco_set::run::Reread;
 
 use crate::Verdict;
 use crate::image::is_image;

@@ -7,10 +7,9 @@ use clap::ValueEnum;
 use serde_json::json;
 use tempco::ThermalSettings;
 use tempco_fit::fit::{Fit, FitOptions, States, fit_digests};
-use tempco_fit::segment::{Overlap, Segmentation};
-use tempco_fit::set::{CoefficientSet, Model, Stretch, file_names, write_set};
 use tempco_log::ReadOptions;
 use tempco_report::{Judgement, Report, Subject};
+use tempco_set::{CoefficientSet, Model, Overlap, Segmentation, Stretch, file_names, write_set};
 
 use crate::Verdict;
 use crate::batch;

@@ -4,9 +4,8 @@ use std::fs;
 use std::path::Path;
 
 use anyhow::{Context, Error, Result, ensure};
-use tempco_fit::set::table_bin;
-use tempco_fit::{check_folder, load_set, read_set};
 use tempco_image::{AlignedBytes, Channel, Image, ImageError, Unit};
+use tempco_set::{check_folder, load_set, read_set, table_bin};
 
 use crate::Verdict;
 use crate::output::{print, say};

@@ -5,8 +5,7 @@ use std::path::PathBuf;
 use anyhow::{Result, ensure};
 use serde_json::{Value, json};
 use tempco_fit::metrics::boundaries;
-use tempco_fit::read_set;
-use tempco_fit::set::{ChannelSet, CoefficientSet, MISMATCH_ALARM};
+use tempco_set::{ChannelSet, CoefficientSet, MISMATCH_ALARM, read_set};
 
 use crate::Verdict;
 use crate::image;

@@ -26,7 +26,7 @@ mod status;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use tempco_fit::escape;
+use tempco_set::escape;
 
 /// Temperature compensation of gyroscope bias: from chamber logs to a table that flies.
 #[derive(Parser)]

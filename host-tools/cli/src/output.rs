@@ -6,9 +6,9 @@ use std::path::Path;
 use anyhow::{Context, Result};
 use comfy_table::{CellAlignment, Table, presets};
 use serde::Serialize;
-use tempco_fit::escape;
-use tempco_fit::files::{Draft, keep_all};
 pub(crate) use tempco_report::{figure, percent, states};
+use tempco_set::escape;
+use tempco_set::files::{Draft, keep_all};
 
 /// A table with the first column to the left and all others, being figures, to the right.
 pub(crate) fn table(header: &[&str], rows: impl IntoIterator<Item = Vec<String>>) -> Table {
@@ -54,7 +54,7 @@ pub(crate) fn print_json(value: &impl Serialize) -> Result<()> {
 /// Says a line on standard error, with the same care as [`print`].
 macro_rules! say {
     ($($text:tt)*) => {
-        eprintln!("{}", tempco_fit::escape::line(&format!($($text)*)))
+        eprintln!("{}", tempco_set::escape::line(&format!($($text)*)))
     };
 }
 pub(crate) use say;

@@ -3,11 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
-use tempco_fit::files::write_files;
-use tempco_fit::rerun::{Reread, is_rereadable, rerun};
-use tempco_fit::set::CoefficientSet;
 use tempco_log::ReadOptions;
 use tempco_report::{Gatherer, LogTimes, Report};
+use tempco_set::CoefficientSet;
+use tempco_set::files::write_files;
+use tempco_set::run::{Reread, is_rereadable, rerun};
 
 use crate::progress::Progress;
 

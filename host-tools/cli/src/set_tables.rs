@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use comfy_table::Table;
-use tempco_fit::set::{Candidate, ChannelSet, SegmentSet};
+use tempco_set::{Candidate, ChannelSet, SegmentSet};
 
 use crate::output::{figure, print, print_lines, states, table};
 

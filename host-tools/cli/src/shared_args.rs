@@ -5,12 +5,11 @@ use std::path::{Path, PathBuf};
 use anyhow::{Error, Result};
 use tempco_fit::digest::{LogDigest, Plan, digest_file};
 use tempco_fit::metrics::TAU_RANGE_S;
-use tempco_fit::set::{CoefficientSet, SCALE_FACTORS_ARCSEC, set_of_image};
-use tempco_fit::{check_folder, load_set};
 use tempco_log::{
     AxisColumn, COLUMN_UNITS, Log, Mapping, ReadOptions, TempColumn, list_names, parallel,
     read_log_observed,
 };
+use tempco_set::{CoefficientSet, SCALE_FACTORS_ARCSEC, check_folder, load_set, set_of_image};
 
 use crate::image::{Placed, is_image};
 use crate::output::say;

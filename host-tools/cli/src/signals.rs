@@ -4,10 +4,11 @@ use std::fs;
 use std::io;
 use std::thread;
 
+use tempco_set::files;
+
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 use signal_hook::iterator::Signals;
 use signal_hook::low_level::emulate_default_handler;
-use tempco_fit::files;
 
 /// Waits for signals in a thread of its own.
 pub(crate) fn watch() -> io::Result<()> {

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
-use tempco_fit::files::{Draft, keep_all};
+use tempco_set::files::{Draft, keep_all};
 use tempco_twin::{
     DEFAULT_RATE_HZ, PROFILES, Profile, Simulation, UNITS, Unit, write_log, write_log_and_truth,
 };

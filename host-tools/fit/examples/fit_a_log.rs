@@ -7,8 +7,8 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 use tempco_fit::fit::{FitOptions, fit};
-use tempco_fit::set::{MARK, Model, write_set};
 use tempco_log::{ReadOptions, read_log};
+use tempco_set::{MARK, Model, write_set};
 
 /// Two cycles between 0 and 50 degC at 1 and 0.5 degC/min, a row every two seconds, of a gyro with
 /// a quadratic bias, 0.03 deg/h per degC/min, and some noise.

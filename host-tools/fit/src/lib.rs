@@ -12,32 +12,15 @@
 #![forbid(unsafe_code)]
 
 pub mod allan;
-pub mod apply;
-mod assemble;
 pub mod batch;
-mod core_run;
 pub mod digest;
-pub mod escape;
-pub mod files;
 pub mod fit;
-mod import;
 mod joint;
-mod load;
 pub mod metrics;
-pub mod model;
 mod regress;
-pub mod rerun;
 pub mod rfactor;
-mod rounding;
 mod screen;
-pub mod segment;
-pub mod set;
 mod solve;
 mod statistics;
-mod tabulate;
 #[cfg(test)]
 mod testing;
-
-pub use core_run::thermal_points;
-pub use load::{SetError, check_folder, load_set, read_set};
-pub use rounding::RoundingBound;

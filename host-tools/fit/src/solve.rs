@@ -1,10 +1,9 @@
 //! The fit of one segment: which terms the data can tell apart, and their coefficients.
 
+use tempco_set::{Coverage, TERMS};
 use thiserror::Error;
 
-use crate::model::TERMS;
 use crate::rfactor::{RFactor, Solution};
-use crate::set::Coverage;
 
 /// A term is dropped where the part of it that the terms before it cannot represent is less than
 /// this share of what it would be with `z` all over the segment: the error of its coefficient

@@ -5,13 +5,12 @@
 //! without compensation.
 
 use tempco::{HistoryState, Table, TableError};
+use tempco_set::{AxisStatistics, CoefficientSet, Segment, TableData, TableUse, use_axis};
 
 use crate::digest::Moments;
 use crate::joint::{Block, Blocks, SamplePoints};
 use crate::regress::ChannelData;
 use crate::rfactor::RFactor;
-use crate::segment::Segment;
-use crate::set::{AxisStatistics, CoefficientSet, TableData, TableUse, use_axis};
 
 /// Degrees of freedom that the spread of means must have to scale uncertainties: it is then known
 /// to 22 %.

@@ -2,10 +2,10 @@
 
 mod worlds;
 
-use tempco_fit::apply::apply;
 use tempco_fit::fit::{FitOptions, fit};
-use tempco_fit::segment::Overlap;
-use tempco_fit::set::{CoefficientSet, Model};
+use tempco_set::run::apply;
+use tempco_set::{CoefficientSet, Model, Overlap};
+
 use worlds::{Programme, Random, Run, World, simulate};
 
 const PAPER_SEGMENTS: &str = "-15:15,5:35,25:60,50:80";

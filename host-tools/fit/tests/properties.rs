@@ -4,10 +4,9 @@ mod worlds;
 
 use tempco::{Thermal, ThermalSettings};
 use tempco_fit::fit::{FitOptions, States, fit};
-use tempco_fit::segment::Overlap;
-use tempco_fit::set::{CoefficientSet, Model};
-use tempco_fit::thermal_points;
 use tempco_log::{AxisUnit, Log};
+use tempco_set::run::thermal_points;
+use tempco_set::{CoefficientSet, Model, Overlap};
 use worlds::{Programme, Random, World, simulate};
 
 fn options(model: Model) -> FitOptions {

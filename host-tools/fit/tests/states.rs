@@ -6,11 +6,10 @@ mod worlds;
 use tempco::{
     Compensator, HistoryState, Interval, Play, SlowPart, Table, Terms, Thermal, ThermalSettings,
 };
-use tempco_fit::apply::apply;
 use tempco_fit::fit::{Fit, FitOptions, States, fit};
-use tempco_fit::load_set;
-use tempco_fit::set::{CoefficientSet, GainSet, Model, PlayData, SlowPartData, table_rs};
 use tempco_log::{AxisUnit, Log};
+use tempco_set::run::apply;
+use tempco_set::{CoefficientSet, GainSet, Model, PlayData, SlowPartData, load_set, table_rs};
 use worlds::{Programme, Random, World, simulate};
 
 /// A unit of one axis that is a table of the core.

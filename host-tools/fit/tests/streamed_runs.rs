@@ -2,11 +2,10 @@
 
 use std::path::Path;
 
-use tempco_fit::apply::apply;
 use tempco_fit::fit::{FitOptions, fit};
-use tempco_fit::rerun::{Reread, rerun};
-use tempco_fit::set::Model;
 use tempco_log::{ReadOptions, read_log};
+use tempco_set::Model;
+use tempco_set::run::{Reread, apply, rerun};
 
 fn written(folder: &Path, bytes: &str) -> Reread {
     let path = folder.join("log.csv");

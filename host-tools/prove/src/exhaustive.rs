@@ -2,7 +2,7 @@
 
 use anyhow::{Context, Result, bail, ensure};
 use tempco::{Table, ThermalPoint};
-use tempco_fit::set::TableData;
+use tempco_set::TableData;
 
 /// Worst errors over all temperatures.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

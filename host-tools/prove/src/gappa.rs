@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::Command;
 
 use anyhow::{Context, Result, bail, ensure};
-use tempco_fit::set::TableData;
+use tempco_set::TableData;
 
 const ROUNDING: &str = "@rnd = float<ieee_32, ne>;\n";
 

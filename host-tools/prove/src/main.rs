@@ -5,11 +5,10 @@ use std::process::Command;
 
 use anyhow::{Context, Result, ensure};
 use clap::Parser;
-use tempco_fit::load_set;
-use tempco_fit::set::TableData;
 use tempco_prove::report::{Effort, Totals, prove};
 use tempco_prove::smt::Solver;
 use tempco_prove::{exhaustive, gappa};
+use tempco_set::{TableData, load_set};
 
 #[allow(dead_code, missing_docs, unreachable_pub, reason = "a generated table")]
 mod example {

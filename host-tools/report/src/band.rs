@@ -1,6 +1,6 @@
 //! The uncertainty of the static part of a fit.
 
-use tempco_fit::set::AxisSet;
+use tempco_set::AxisSet;
 
 /// 1 sigma of the static bias at a temperature \[unit of the axis\]; where segments overlap, that
 /// of the less certain one. None outside of all segments or where no uncertainty is known.

@@ -22,7 +22,7 @@ pub use text::{figure, percent, states};
 pub use verdict::{Judgement, Verdict};
 
 use tempco_fit::metrics::Evaluation;
-use tempco_fit::set::CoefficientSet;
+use tempco_set::CoefficientSet;
 use thiserror::Error;
 
 use figure::Figures;

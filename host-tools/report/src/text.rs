@@ -1,6 +1,6 @@
 //! How figures are written.
 
-use tempco_fit::set::Candidate;
+use tempco_set::Candidate;
 
 /// A figure in four significant digits.
 pub fn figure(value: f64) -> String {

@@ -1,7 +1,7 @@
 //! The verdict on a set, and why.
 
 use tempco_fit::metrics::{AxisEvaluation, Evaluation, Role};
-use tempco_fit::set::{AxisSet, CoefficientSet, SegmentSet};
+use tempco_set::{AxisSet, CoefficientSet, SegmentSet};
 
 use crate::text::{figure, percent};
 

@@ -7,12 +7,12 @@ use std::path::PathBuf;
 use std::str::FromStr;
 
 use anyhow::{Error, Result, anyhow, ensure};
-use tempco_fit::apply::{ChannelInputs, inputs};
-use tempco_fit::files::ScratchFolder;
-use tempco_fit::set::{CoefficientSet, table_bin, table_rs};
 use tempco_log::Log;
 use tempco_qemu::{Board, Variant, Workspace, build_variant, ensure_qemu, ensure_target_of};
 use tempco_replay::Sample;
+use tempco_set::files::ScratchFolder;
+use tempco_set::run::{ChannelInputs, inputs};
+use tempco_set::{CoefficientSet, table_bin, table_rs};
 
 use crate::Verdict;
 use crate::image::Placed;

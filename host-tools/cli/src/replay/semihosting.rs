@@ -2,9 +2,9 @@
 
 use anyhow::{Result, anyhow, ensure};
 use tempco::Table;
-use tempco_fit::set::{TableData, TableUse, use_tables};
 use tempco_qemu::{Board, Variant, replay};
 use tempco_replay::{Header, Outcome, Record};
+use tempco_set::{TableData, TableUse, use_tables};
 
 use super::{Differences, Replay, for_shape};
 use crate::output::print;

@@ -3,9 +3,10 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
+use tempco_set::escape;
+
 use super::figures::{AxisFigures, Outcome, UnitFigures};
 use super::outlier::{LEAST_UNITS, OUTLIER_Z, robust_z};
-use crate::escape;
 
 /// The columns of the summary, for reading by machines.
 const HEADER: [&str; 14] = [

@@ -1,8 +1,8 @@
 //! One channel of a log on its way into a digest: core, screen, grid.
 
 use tempco::{Interval, Thermal, ThermalState};
+use tempco_set::run::is_usable;
 
-use crate::core_run::is_usable;
 use crate::digest::block::Rows;
 use crate::digest::grid::{Grid, MOST_BLOCKS};
 use crate::digest::{ChannelDigest, Plan};

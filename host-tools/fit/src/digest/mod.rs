@@ -26,8 +26,7 @@ pub use log::{digest_file, digest_log};
 
 use tempco::{Interval, Thermal, ThermalPoint, ThermalState};
 use tempco_log::AxisUnit;
-
-use crate::set::Stretch;
+use tempco_set::Stretch;
 
 /// What must be known before a log is digested; see [`FitOptions::plan`](crate::fit::FitOptions::plan).
 #[derive(Clone, Debug, PartialEq)]

@@ -5,15 +5,15 @@ use std::fmt::Write;
 use proptest::prelude::*;
 use tempco::ThermalSettings;
 use tempco_log::{Axis, Channel, Log, ReadOptions, read_log};
+use tempco_set::Model;
+use tempco_set::run::with_every_rate;
 use tempco_twin::{Profile, Simulation, Unit};
 
 use super::grid::{Grid, MOST_BLOCKS};
 use super::*;
-use crate::core_run::with_every_rate;
 use crate::fit::{FitOptions, fit, fit_digests};
 use crate::regress::ChannelData;
 use crate::rfactor::RFactor;
-use crate::set::Model;
 use crate::testing::white;
 
 /// Rows of a channel with one axis, at irregular times, some not kept.
@@ -139,7 +139,7 @@ fn simulated(seed: u64, rate_hz: f64) -> Log {
 }
 
 /// The coefficients of a set, and their standard deviations.
-fn coefficients(set: &crate::set::CoefficientSet) -> Vec<(f64, f64)> {
+fn coefficients(set: &tempco_set::CoefficientSet) -> Vec<(f64, f64)> {
     let axes = set.channels.iter().flat_map(|channel| &channel.axes);
     axes.flat_map(|axis| axis.polynomials.iter().zip(&axis.sigmas))
         .flat_map(|(p, s)| {
@@ -177,7 +177,7 @@ fn digests_of_files_are_fitted_like_the_logs() {
     let expected = fit(&logs, &options).unwrap();
     let found = fit_digests(&digests, &options).unwrap();
     assert_eq!(found.remarks, expected.remarks);
-    let inputs = |set: &crate::set::CoefficientSet| set.provenance.inputs.clone();
+    let inputs = |set: &tempco_set::CoefficientSet| set.provenance.inputs.clone();
     assert_eq!(inputs(&found.set), inputs(&expected.set));
     let (found, expected) = (coefficients(&found.set), coefficients(&expected.set));
     assert_eq!(found.len(), expected.len());

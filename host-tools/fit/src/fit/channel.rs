@@ -1,15 +1,13 @@
 //! The fit of a channel, whatever its model, and how it becomes a part of the set.
 
 use tempco::ThermalSettings;
-
-use crate::assemble::{self, Fitted};
-use crate::model::Polynomial;
-use crate::regress::ChannelData;
-use crate::segment::{Overlap, Segmentation};
-use crate::set::{
-    AxisSet, ChannelSet, CoefficientSigmas, GainSet, HeldOutErrors, NoiseSet, Screening,
-    SegmentSet, Selection, Term,
+use tempco_set::assemble::{self, Fitted};
+use tempco_set::{
+    AxisSet, ChannelSet, CoefficientSigmas, GainSet, HeldOutErrors, NoiseSet, Overlap, Polynomial,
+    Screening, SegmentSet, Segmentation, Selection, Term,
 };
+
+use crate::regress::ChannelData;
 
 /// A fitted channel before its table is made.
 pub(crate) struct ChannelFit {

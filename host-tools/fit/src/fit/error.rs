@@ -1,11 +1,11 @@
 //! Why a fit was refused.
 
 use tempco::TableError;
+use tempco_set::run::ApplyError;
+use tempco_set::{Segment, SegmentError};
 use thiserror::Error;
 
-use crate::apply::ApplyError;
 use crate::metrics::TAU_RANGE_S;
-use crate::segment::{Segment, SegmentError};
 
 /// A fit was refused.
 #[derive(Debug, Error)]

@@ -10,9 +10,12 @@ pub use error::FitError;
 
 use tempco::ThermalSettings;
 use tempco_log::{Log, parallel};
+use tempco_set::run::with_every_rate;
+use tempco_set::{
+    Candidate, ChannelSet, CoefficientSet, Input, Model, Overlap, Provenance, Screening,
+    Segmentation, Selection, Settings, Stretch, assemble,
+};
 
-use crate::assemble;
-use crate::core_run::with_every_rate;
 use crate::digest::{LogDigest, Plan, digest_log};
 use crate::joint::{
     self, Blocks, Choice, Chosen, FixedLag, LEAST_RATES, Question, RateForm, Spline,
@@ -20,11 +23,6 @@ use crate::joint::{
 use crate::metrics::TAU_RANGE_S;
 use crate::regress::ChannelData;
 use crate::screen::screen;
-use crate::segment::{Overlap, Segmentation};
-use crate::set::{
-    Candidate, ChannelSet, CoefficientSet, Input, Model, Provenance, Screening, Selection,
-    Settings, Stretch,
-};
 use crate::statistics;
 
 /// The whole log must span this much for a fit to mean anything \[degC\].

@@ -1,14 +1,14 @@
 //! The paper's fit: each segment by itself, overlaps shared.
 
 use tempco::ThermalSettings;
+use tempco_set::{
+    CoefficientSigmas, Overlap, Polynomial, Segment, SegmentSet, Segmentation, TERMS,
+};
 
 use crate::digest::Moments;
 use crate::fit::FitError;
 use crate::fit::channel::ChannelFit;
-use crate::model::{Polynomial, TERMS};
 use crate::regress::ChannelData;
-use crate::segment::{Overlap, Segment, Segmentation};
-use crate::set::{CoefficientSigmas, SegmentSet};
 use crate::solve::{Place, SegmentRows};
 
 /// Fits `terms` terms, or as many as the data can carry, to every segment.

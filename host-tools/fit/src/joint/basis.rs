@@ -1,9 +1,9 @@
 //! Regressors of the spline model: quadratic B-splines for the static part, straight lines or
 //! hats for the rate part, a constant per log.
 
+use tempco_set::{Polynomial, Segment};
+
 use crate::joint::select::AxisTerms;
-use crate::model::Polynomial;
-use crate::segment::Segment;
 
 /// How the bias per rate depends on the effective temperature.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

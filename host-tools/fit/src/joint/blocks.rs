@@ -1,8 +1,8 @@
 //! The kept blocks of a channel: the rows of every least squares.
 
 use tempco::{TableError, Thermal, ThermalPoint, ThermalSettings};
+use tempco_set::run::{is_usable, with_every_rate};
 
-use crate::core_run::{is_usable, with_every_rate};
 use crate::digest::SamplePoint;
 use crate::regress::ChannelData;
 

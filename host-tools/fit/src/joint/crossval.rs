@@ -1,12 +1,12 @@
 //! Errors on what was left out of the fit.
 
+use tempco_set::{AxisModel, Overlap, Polynomial, Segmentation};
+
 use crate::joint::basis::{Basis, RateForm};
 use crate::joint::blocks::Blocks;
 use crate::joint::folds::Folds;
 use crate::joint::gram::Gram;
 use crate::joint::lag::Regressors;
-use crate::model::{AxisModel, Polynomial};
-use crate::segment::{Overlap, Segmentation};
 use crate::solve::SegmentRows;
 
 /// Sums of squared errors of held-out blocks, by axis and fold.

@@ -4,10 +4,11 @@
 //! a few rows and columns: combinations are compared exhaustively, on all data and again without
 //! each fold.
 
+use tempco_set::Term;
+
 use crate::joint::gram::Gram;
 use crate::joint::lag::log_likelihood;
 use crate::joint::states::Shape;
-use crate::set::Term;
 
 /// The narrowest play \[degC\].
 const LEAST_WIDTH_C: f64 = 0.2;

@@ -1,6 +1,7 @@
 //! Whether a unit earns states: by what they do on soaks and ramps that were left out.
 
 use tempco::TableError;
+use tempco_set::Term;
 
 use crate::joint::basis::{Basis, RateForm};
 use crate::joint::crossval::HeldOut;
@@ -11,7 +12,6 @@ use crate::joint::lag::{Lag, Regressors, Search};
 use crate::joint::layout::Layout;
 use crate::joint::select::{Choice, Question, Spline, Tried};
 use crate::joint::states::{Shape, block_states, sort};
-use crate::set::Term;
 
 /// States take ramps of this many rates. With one, what does not depend on the rate cannot be told
 /// from what does, nor one lag from another.

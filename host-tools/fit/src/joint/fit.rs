@@ -1,8 +1,11 @@
 //! The spline model of a channel, fitted on the core's own regressors.
 
 use tempco::{ThermalPoint, ThermalSettings};
+use tempco_set::run::with_every_rate;
+use tempco_set::{
+    CoefficientSigmas, GainSet, NoiseSet, Overlap, Segment, SegmentSet, Segmentation, TERMS,
+};
 
-use crate::core_run::with_every_rate;
 use crate::fit::{ChannelFit, FitError};
 use crate::joint::basis::RateForm;
 use crate::joint::blocks::{Blocks, SamplePoints};
@@ -10,10 +13,7 @@ use crate::joint::covariance::of_combinations;
 use crate::joint::select::Spline;
 use crate::joint::solve::{AxisSolution, Rows, solve_axes};
 use crate::joint::states::sample_states;
-use crate::model::TERMS;
 use crate::regress::ChannelData;
-use crate::segment::{Overlap, Segment, Segmentation};
-use crate::set::{CoefficientSigmas, GainSet, NoiseSet, SegmentSet};
 use crate::solve::{LEAST_SPAN, Place, SegmentRows, Unfit};
 
 /// Fits a spline model with the settings' thermal path at its lag; an axis without its rate terms

@@ -1,8 +1,8 @@
 //! Number and place of breakpoints.
 
+use tempco_set::{Place, Segmentation};
+
 use crate::joint::basis::{Basis, RateForm};
-use crate::segment::Segmentation;
-use crate::set::Place;
 
 /// The most segments that are tried.
 pub(crate) const MOST_SEGMENTS: usize = 12;

@@ -1,6 +1,7 @@
 //! Chooses the model by what it does on soaks and ramps it was not fitted to.
 
 use tempco::{TableError, ThermalSettings};
+use tempco_set::{Candidate, HeldOutErrors, Model, Overlap, Place, Segmentation, Selection};
 
 use crate::joint::basis::{Basis, RateForm, SparseRow};
 use crate::joint::blocks::Blocks;
@@ -11,8 +12,6 @@ use crate::joint::layout::{Layout, MOST_SEGMENTS};
 use crate::joint::states::{Shape, block_states};
 use crate::regress::ChannelData;
 use crate::rfactor::RFactor;
-use crate::segment::{Overlap, Segmentation};
-use crate::set::{Candidate, HeldOutErrors, Model, Place, Selection};
 use crate::solve::{LEAST_SHARE, SENSOR_NOISE_C};
 
 /// Segments of the basis with which the lag is searched.

@@ -5,10 +5,10 @@
 //! by one, whatever their number.
 
 use tempco::{History, HistoryState, Interval, Play, SlowPart, Thermal, ThermalSettings};
+use tempco_set::Term;
 
 use crate::joint::blocks::{Blocks, SamplePoints};
 use crate::joint::lag::Regressors;
-use crate::set::Term;
 
 /// No lag is limited while fitting \[degC\].
 const NO_LIMIT_C: f32 = 1e3;

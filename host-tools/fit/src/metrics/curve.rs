@@ -2,13 +2,13 @@
 
 use serde::Serialize;
 use tempco_log::{AxisUnit, Log};
+use tempco_set::run::AxisOutput;
 
 use super::measured::Measured;
 use crate::allan::{
     AllanPoint, BiasInstability, RandomWalk, bias_instability, longest_stretch, overlapping,
     random_walk,
 };
-use crate::apply::AxisOutput;
 
 /// Allan deviations of an axis over the longest stretch of its log without a gap.
 #[derive(Clone, Debug, PartialEq, Serialize)]

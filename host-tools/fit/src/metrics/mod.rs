@@ -19,12 +19,12 @@ use std::ops::RangeInclusive;
 
 use serde::Serialize;
 use tempco_log::{AxisUnit, Log};
+use tempco_set::run::{
+    Applied, ApplyError, ChannelInputs, apply, inputs, points_of, with_every_rate,
+};
+use tempco_set::{ChannelSet, CoefficientSet, CoefficientSigmas, SegmentSet, SignOff, assemble};
 use thiserror::Error;
 
-use crate::apply::{Applied, ApplyError, ChannelInputs, apply, inputs};
-use crate::assemble;
-use crate::core_run::{points_of, with_every_rate};
-use crate::set::{ChannelSet, CoefficientSet, CoefficientSigmas, SegmentSet, SignOff};
 use correlation::pearson;
 use hysteresis::Bins;
 use means::Means;
@@ -363,7 +363,7 @@ impl Judged<'_> {
 /// What happens between the segments of an axis of a channel, coldest first.
 pub fn boundaries(channel: &ChannelSet, axis: usize) -> Vec<Boundary> {
     let jumps = channel.table.jumps(axis);
-    let boundary = |mismatch: crate::model::Mismatch| {
+    let boundary = |mismatch: tempco_set::Mismatch| {
         let (t_min_c, t_max_c) = (mismatch.t_min_c, mismatch.t_max_c);
         // A boundary may have been moved to the nearest edge of a cell.
         let slack_c = channel.boundary_moved_c + 1e-3;

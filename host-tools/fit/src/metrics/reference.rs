@@ -1,10 +1,10 @@
 //! What a compensation is compared with, beside none.
 
 use tempco_log::Log;
+use tempco_set::CoefficientSet;
+use tempco_set::run::{ApplyError, apply};
 
-use crate::apply::{ApplyError, apply};
 use crate::metrics::means::Means;
-use crate::set::CoefficientSet;
 
 /// Bias stability of the reference: by axis and averaging time.
 pub(super) struct Reference {

@@ -2,10 +2,10 @@
 
 use serde::Serialize;
 use tempco_log::Log;
+use tempco_set::run::AxisOutput;
 
 use super::means::Means;
 use super::measured::Measured;
-use crate::apply::AxisOutput;
 
 /// Bias stability at one averaging time.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -2,11 +2,11 @@
 
 use tempco::{TableError, ThermalSettings};
 use tempco_log::decimate::median;
+use tempco_set::BiasStep;
 
 use crate::joint::{Basis, Blocks, Gram, RateForm, SparseRow, dot};
 use crate::regress::ChannelData;
 use crate::screen::{SIGMA_PER_MAD, steps};
-use crate::set::BiasStep;
 
 /// Blocks further from the fit than this many standard deviations are left out.
 const LIMIT: f64 = 6.0;

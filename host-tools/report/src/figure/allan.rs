@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use plotters::element::DashedPathElement;
 use plotters::prelude::*;
-use tempco_fit::set::AxisSet;
+use tempco_set::AxisSet;
 
 use super::canvas::{DrawError, FINE, Figure};
 use super::frame::{BELOW, Key, LEFT, Mark, dot, line, text, titled, triangle, with_unit};

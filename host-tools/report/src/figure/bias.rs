@@ -2,7 +2,7 @@
 
 use plotters::prelude::*;
 use tempco::ThermalPoint;
-use tempco_fit::set::ChannelSet;
+use tempco_set::ChannelSet;
 
 use super::canvas::{DrawError, Figure};
 use super::frame::{

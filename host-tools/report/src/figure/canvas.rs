@@ -3,7 +3,7 @@
 use maud::{Markup, PreEscaped, html};
 use plotters::coord::Shift;
 use plotters::prelude::*;
-use tempco_fit::escape;
+use tempco_set::escape;
 
 use super::palette::SURFACE;
 use crate::ReportError;

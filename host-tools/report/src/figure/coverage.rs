@@ -1,7 +1,7 @@
 //! Time spent by temperature and its rate, and what is calibrated.
 
 use plotters::prelude::*;
-use tempco_fit::set::ChannelSet;
+use tempco_set::ChannelSet;
 
 use super::canvas::{DrawError, Figure};
 use super::frame::{Key, Mark, Scale, axes, line, range_of, titled};

@@ -10,10 +10,10 @@ mod residual;
 mod segments;
 mod traces;
 
+use tempco_set::CoefficientSet;
+
 pub(crate) use canvas::Figure;
 pub(crate) use palette::dark_rules;
-
-use tempco_fit::set::CoefficientSet;
 
 use crate::ReportError;
 use crate::gather::Gathered;

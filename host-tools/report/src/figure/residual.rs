@@ -1,7 +1,7 @@
 //! What remains, against time, temperature and rate of temperature.
 
 use plotters::prelude::*;
-use tempco_fit::set::AxisSet;
+use tempco_set::AxisSet;
 
 use super::bias::of_direction;
 use super::canvas::{DrawError, FINE, Figure, Hovers};

@@ -2,13 +2,13 @@
 
 use plotters::element::DashedPathElement;
 use plotters::prelude::*;
-use tempco_fit::set::ChannelSet;
+use tempco_fit::metrics::boundaries;
+use tempco_set::ChannelSet;
 
 use super::canvas::{DrawError, Figure};
 use super::frame::{BAND, Key, Mark, Scale, axes, line, range_of, titled, with_unit};
 use super::palette::{COOLING, GRID, HEATING, INK, MUTED};
 use crate::ReportError;
-use tempco_fit::metrics::boundaries;
 
 /// Points along a polynomial.
 const STEPS: u32 = 40;

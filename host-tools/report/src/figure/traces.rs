@@ -1,7 +1,7 @@
 //! Means over time, before and after, below the temperature.
 
 use plotters::prelude::*;
-use tempco_fit::set::AxisSet;
+use tempco_set::AxisSet;
 
 use super::canvas::{DrawError, FINE, Figure, Hovers};
 use super::frame::{BAND, Chart, Key, Mark, Scale, axes, line, range_of, titled, with_unit};

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use tempco::ThermalPoint;
-use tempco_fit::set::ChannelSet;
+use tempco_set::ChannelSet;
 
 use super::MOST_TIMES;
 use super::axis::{AxisSums, Direction};

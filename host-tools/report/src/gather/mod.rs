@@ -14,8 +14,8 @@ mod channel;
 mod spread;
 mod stretches;
 
-use tempco_fit::rerun::Answers;
-use tempco_fit::set::CoefficientSet;
+use tempco_set::CoefficientSet;
+use tempco_set::run::Answers;
 
 pub(crate) use allan::{Deviation, MOST_CLUSTERS};
 pub(crate) use axis::{Direction, GatheredAxis};
@@ -202,11 +202,10 @@ impl LogSums {
 #[cfg(test)]
 mod tests {
     use tempco::{Status, ThermalPoint};
-    use tempco_fit::apply::AxisOutput;
     use tempco_fit::fit::{FitOptions, fit};
-    use tempco_fit::rerun::ChannelAnswers;
-    use tempco_fit::set::Model;
     use tempco_log::{Axis, AxisUnit, Channel, Log};
+    use tempco_set::Model;
+    use tempco_set::run::{AxisOutput, ChannelAnswers};
 
     use super::*;
 

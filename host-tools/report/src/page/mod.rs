@@ -5,8 +5,8 @@ mod summary;
 mod tables;
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
-use tempco_fit::escape;
 use tempco_log::AxisUnit;
+use tempco_set::escape;
 
 use crate::Subject;
 use crate::figure::{AxisFigures, Figure, Figures, dark_rules};

@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 use tempco_fit::metrics::Role;
-use tempco_fit::set::{ChannelSet, CoefficientSet};
+use tempco_set::{ChannelSet, CoefficientSet};
 
 use super::{cell, table};
 use crate::Subject;

@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 use tempco_fit::metrics::{Evaluation, Role};
-use tempco_fit::set::CoefficientSet;
+use tempco_set::CoefficientSet;
 
 use super::{axis_cell, cell, table};
 use crate::text::{figure, percent, seconds};

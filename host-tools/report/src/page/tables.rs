@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 use tempco_fit::metrics::{self, Evaluation};
-use tempco_fit::set::{AxisSet, Candidate, ChannelSet, CoefficientSet, HeldOutErrors};
+use tempco_set::{AxisSet, Candidate, ChannelSet, CoefficientSet, HeldOutErrors};
 
 use super::{axis_cell, cell, table};
 use crate::band::sigma_at;

@@ -3,9 +3,8 @@
 use anyhow::{Context, Result};
 use tempco_fit::fit::{FitOptions, fit};
 use tempco_fit::metrics::evaluate;
-use tempco_fit::segment::{Overlap, Segmentation};
-use tempco_fit::set::{CoefficientSet, Model};
 use tempco_log::{Axis, AxisUnit, Channel, Log};
+use tempco_set::{CoefficientSet, Model, Overlap, Segmentation};
 use tempco_twin::{AXIS_NAMES, DEFAULT_RATE_HZ, Profile, Simulation, Step, Unit};
 
 use super::printed::SEGMENTS;

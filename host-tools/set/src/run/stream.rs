@@ -1,6 +1,6 @@
 //! A log that is read once more, row by row through the core, in memory of a fixed size.
 //!
-//! The core starts and steps as in [`apply`](crate::apply::apply). The interval of the log must be
+//! The core starts and steps as in [`apply`](super::apply()). The interval of the log must be
 //! known, from the first reading: the first row takes it, and pulse counts are divided by it.
 
 use std::path::{Path, PathBuf};
@@ -9,9 +9,9 @@ use tempco::{Compensator, Interval, Status, Table, TableError, ThermalPoint, The
 use tempco_log::{Chunk, LogError, LogStream, ReadOptions};
 use thiserror::Error;
 
-use crate::apply::{ApplyError, AxisOutput, push_row};
-use crate::core_run::with_every_rate;
-use crate::set::{ChannelSet, CoefficientSet, TableUse, use_tables};
+use super::apply::{ApplyError, AxisOutput, push_row};
+use super::core_run::with_every_rate;
+use crate::{ChannelSet, CoefficientSet, TableUse, use_tables};
 
 /// A log and what is known of it from the first reading.
 #[derive(Clone, Debug)]

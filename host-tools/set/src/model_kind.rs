@@ -28,8 +28,8 @@ impl Model {
         }
     }
 
-    /// Number of leading [`TERMS`](crate::model::TERMS) that it has.
-    pub(crate) const fn terms(self) -> usize {
+    /// Number of leading [`TERMS`](crate::TERMS) that it has.
+    pub const fn terms(self) -> usize {
         match self {
             Self::Static => 3,
             Self::Composite | Self::Spline | Self::Auto => 5,

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::Model;
+use crate::Model;
 
 /// Where the breakpoints are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

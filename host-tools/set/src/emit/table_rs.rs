@@ -4,8 +4,8 @@ use std::fmt::Write as _;
 
 use tempco::ThermalSettings;
 
-use super::{AxisSet, ChannelSet, CoefficientSet, PlayData, SlowPartData, TableData};
 use crate::escape::comment;
+use crate::{AxisSet, ChannelSet, CoefficientSet, PlayData, SlowPartData, TableData};
 
 /// The table as Rust source for `include!`: constants that a bad table would not let compile.
 pub fn table_rs(set: &CoefficientSet) -> String {
@@ -57,7 +57,7 @@ fn write_table_rs(out: &mut String, set: &CoefficientSet) -> std::fmt::Result {
 }
 
 /// The lines by which a table is known to be of a set.
-pub(super) fn identity(set: &CoefficientSet) -> [String; 4] {
+pub(crate) fn identity(set: &CoefficientSet) -> [String; 4] {
     let names = |name: fn(&AxisSet) -> &str| {
         let rows: Vec<Vec<&str>> = set
             .channels

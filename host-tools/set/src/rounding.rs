@@ -5,7 +5,7 @@
 //! the operands are passed on. All of it is computed in f64 and enlarged by [`SLACK`], which
 //! outweighs the rounding of the analysis itself many times over.
 
-use crate::set::TableData;
+use crate::TableData;
 
 /// Largest relative error of an f32 operation.
 const UNIT: f64 = 1.0 / (1 << 24) as f64;
@@ -176,7 +176,7 @@ fn slope([_, a1, a2, _, r1]: [f64; 5], rate: f64, beyond: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::set::{PlayData, SlowPartData, TableUse, use_tables};
+    use crate::{PlayData, SlowPartData, TableUse, use_tables};
     use proptest::prelude::*;
     use tempco::{Compensator, HistoryState, Interval, Table, ThermalPoint, ThermalSettings};
 

@@ -3,14 +3,14 @@
 use std::fmt::Display;
 use std::ops::RangeInclusive;
 
-use super::table::numbers;
-use super::{
+use crate::model::AxisModel;
+use crate::segment::Overlap;
+use crate::table::numbers;
+use crate::tabulate;
+use crate::{
     AxisSet, AxisStatistics, Candidate, ChannelSet, CoefficientSet, CoefficientSigmas,
     FORMAT_VERSION, HeldOutErrors, NoiseSet, Screening, SegmentSet, Selection,
 };
-use crate::model::AxisModel;
-use crate::segment::Overlap;
-use crate::tabulate;
 
 /// Angles per pulse that a gyro can have \[arcsec\].
 pub const SCALE_FACTORS_ARCSEC: RangeInclusive<f64> = 1e-6..=1e6;
@@ -442,7 +442,7 @@ mod tests {
     use serde_json::{Value, json};
 
     use crate::import::static_coefficients;
-    use crate::set::{CoefficientSet, Coverage, GainSet, NoiseSet, PlayData, SignOff};
+    use crate::{CoefficientSet, Coverage, GainSet, NoiseSet, PlayData, SignOff};
 
     const PRINTED: &str = "gyro,segment,temp_min_c,temp_max_c,a0_pulses,a1_pulses_per_c,a2_pulses_per_c2\n\
          X,1,-15,40,0.0173,-0.0014,0.00001\nX,2,30,80,0.0173,-0.0014,0.00002\n";

@@ -1,6 +1,6 @@
 //! The table of a channel as data: what JSON holds, what the core borrows, what the CRC covers.
 
-use super::history::{MOST, PlayData, SlowPartData};
+use crate::history::{MOST, PlayData, SlowPartData};
 use serde::{Deserialize, Serialize};
 use tempco::{Table, TableError, Terms, Thermal, ThermalSettings};
 
@@ -61,7 +61,7 @@ pub fn use_tables<const CHANNELS: usize, const AXES: usize, U: TableUse<CHANNELS
 }
 
 /// The same for one axis.
-pub(crate) fn use_axis<U: TableUse<1, 1>>(
+pub fn use_axis<U: TableUse<1, 1>>(
     data: &TableData,
     axis: usize,
     task: U,

@@ -9,7 +9,8 @@ use std::path::Path;
 
 use thiserror::Error;
 
-use super::{CoefficientSet, c_header, emit, image, table_bin, table_h, table_rs};
+use crate::CoefficientSet;
+use crate::emit::{table_bin, table_h, table_rs};
 use crate::files::replace_with;
 
 /// The file that holds the whole set, written last.
@@ -100,9 +101,9 @@ fn is_of(set: &CoefficientSet, name: &str, contents: &[u8]) -> bool {
     let text = String::from_utf8_lossy(contents);
     let has = |line: String| text.lines().any(|found| found == line);
     match name {
-        TABLE_BIN => image::is_of(set, contents),
-        TABLE_RS => emit::identity(set).into_iter().all(has),
-        TABLE_H => c_header::identity(set).into_iter().all(has),
+        TABLE_BIN => table_bin::is_of(set, contents),
+        TABLE_RS => table_rs::identity(set).into_iter().all(has),
+        TABLE_H => table_h::identity(set).into_iter().all(has),
         _ => text.contains(&format!("<code>{}</code>", set.table_crc32)),
     }
 }

@@ -81,14 +81,16 @@ impl Polynomial {
 
 /// The model of one axis over all segments.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct AxisModel<'a> {
-    pub(crate) polynomials: &'a [Polynomial],
-    pub(crate) overlap: Overlap,
+pub struct AxisModel<'a> {
+    /// The polynomial of each segment.
+    pub polynomials: &'a [Polynomial],
+    /// What is applied where segments overlap.
+    pub overlap: Overlap,
 }
 
 impl AxisModel<'_> {
     /// Static bias and bias per rate at a temperature of `piece`.
-    pub(crate) fn at(&self, piece: &Piece, temp_c: f64) -> (f64, f64) {
+    pub fn at(&self, piece: &Piece, temp_c: f64) -> (f64, f64) {
         let cold = &self.polynomials[piece.segment];
         let (static_bias, rate_bias) = (cold.static_bias(temp_c), cold.rate_bias(temp_c));
         if !piece.blended {
@@ -118,7 +120,7 @@ pub struct Mismatch {
 }
 
 /// The disagreement of each two neighbours of an axis.
-pub fn mismatches(segmentation: &Segmentation, polynomials: &[Polynomial]) -> Vec<Mismatch> {
+pub(crate) fn mismatches(segmentation: &Segmentation, polynomials: &[Polynomial]) -> Vec<Mismatch> {
     const STEPS: u32 = 200;
     let pairs = segmentation.segments().windows(2);
     pairs

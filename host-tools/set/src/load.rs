@@ -7,7 +7,7 @@ use thiserror::Error;
 
 use crate::escape;
 use crate::import::static_coefficients;
-use crate::set::{CoefficientSet, MARK, TABLE_BIN, strangers};
+use crate::{CoefficientSet, MARK, TABLE_BIN, strangers};
 
 /// Reads a set from `coefficients.json`, or from a CSV file of static coefficients.
 ///

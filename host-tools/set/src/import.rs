@@ -14,7 +14,7 @@ use tempco_log::{AxisUnit, hex};
 use crate::assemble::{self, Fitted};
 use crate::model::{Polynomial, TERMS};
 use crate::segment::{Overlap, Segment, Segmentation};
-use crate::set::{AxisSet, CoefficientSet, Input, Model, Provenance, SegmentSet, Settings};
+use crate::{AxisSet, CoefficientSet, Input, Model, Provenance, SegmentSet, Settings};
 
 #[derive(Deserialize)]
 struct Row {

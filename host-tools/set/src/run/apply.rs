@@ -4,7 +4,7 @@ use tempco::{Compensator, Interval, Output, Status, Table, TableError};
 use tempco_log::Log;
 use thiserror::Error;
 
-use crate::set::{ChannelSet, CoefficientSet, TableUse, use_tables};
+use crate::{ChannelSet, CoefficientSet, TableUse, use_tables};
 
 /// The most axes a channel can have.
 const MAX_AXES: usize = 6;
@@ -160,7 +160,7 @@ impl<const AXES: usize> TableUse<1, AXES> for Run<'_, AXES> {
 }
 
 /// Adds a row to each axis.
-pub(crate) fn push_row<const AXES: usize>(
+pub(super) fn push_row<const AXES: usize>(
     axes: &mut [AxisOutput],
     raw: &[f32; AXES],
     out: &Output<AXES>,

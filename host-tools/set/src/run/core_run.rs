@@ -17,7 +17,7 @@ pub fn thermal_points(log: &Log, channel: usize, thermal: &Thermal) -> Vec<Therm
 }
 
 /// Runs one temperature of each row through the core.
-pub(crate) fn points_of(log: &Log, temps_c: &[f32], thermal: &Thermal) -> Vec<ThermalPoint> {
+pub fn points_of(log: &Log, temps_c: &[f32], thermal: &Thermal) -> Vec<ThermalPoint> {
     let mut state = ThermalState::new(thermal);
     state.start(thermal, temps_c[0]);
     log.intervals_s()
@@ -30,7 +30,7 @@ pub(crate) fn points_of(log: &Log, temps_c: &[f32], thermal: &Thermal) -> Vec<Th
 ///
 /// # Errors
 /// Settings that the core refuses.
-pub(crate) fn with_every_rate(settings: ThermalSettings) -> Result<Thermal, TableError> {
+pub fn with_every_rate(settings: ThermalSettings) -> Result<Thermal, TableError> {
     Thermal::new(ThermalSettings {
         rate_min_c_per_min: -1e4,
         rate_max_c_per_min: 1e4,
@@ -39,6 +39,6 @@ pub(crate) fn with_every_rate(settings: ThermalSettings) -> Result<Thermal, Tabl
 }
 
 /// Whether a row may enter a fit.
-pub(crate) fn is_usable(point: &ThermalPoint) -> bool {
+pub fn is_usable(point: &ThermalPoint) -> bool {
     !UNUSABLE.iter().any(|flag| point.status.intersects(*flag))
 }

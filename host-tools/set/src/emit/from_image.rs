@@ -3,13 +3,13 @@
 use tempco_image::{Channel, Image, ImageError, Unit};
 use tempco_log::{AxisUnit, Log};
 
-use super::table::numbers;
-use super::{
+use crate::assemble;
+use crate::segment::Overlap;
+use crate::table::numbers;
+use crate::{
     AxisSet, ChannelSet, CoefficientSet, Model, PlayData, Provenance, Settings, SlowPartData,
     TableData,
 };
-use crate::assemble;
-use crate::segment::Overlap;
 
 fn axis_unit(unit: Unit) -> AxisUnit {
     match unit {

@@ -4,7 +4,7 @@
 //! one after the other; if a move fails, those before it are undone. What no program can undo is
 //! its own sudden end between two moves: the last file of a group is therefore its mark, by which a
 //! reader sees whether the others are of the same group (see
-//! [`strangers`](crate::set::strangers)).
+//! [`strangers`](crate::strangers)).
 //!
 //! A program that is told to end calls [`abandon`], which waits for moves under way and removes all
 //! drafts.

@@ -44,7 +44,7 @@ impl Overlap {
     }
 
     /// Whether the pieces of the model meet at their boundaries.
-    pub(crate) const fn meets(self) -> bool {
+    pub const fn meets(self) -> bool {
         matches!(self, Self::Linear | Self::Smooth | Self::Spline)
     }
 
@@ -93,17 +93,20 @@ pub struct Segmentation {
 
 /// A stretch of the range with the same neighbours throughout.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Piece {
-    pub(crate) from_c: f64,
-    pub(crate) to_c: f64,
+pub struct Piece {
+    /// Cold end \[degC\].
+    pub from_c: f64,
+    /// Hot end \[degC\].
+    pub to_c: f64,
     /// The segment that applies, or the colder of the two that are blended.
-    pub(crate) segment: usize,
-    pub(crate) blended: bool,
+    pub segment: usize,
+    /// Whether two segments are blended.
+    pub blended: bool,
 }
 
 impl Piece {
     /// Weight of the next segment at a temperature of this piece.
-    pub(crate) fn weight(&self, overlap: Overlap, temp_c: f64) -> f64 {
+    pub fn weight(&self, overlap: Overlap, temp_c: f64) -> f64 {
         if self.blended {
             overlap.weight((temp_c - self.from_c) / (self.to_c - self.from_c))
         } else {
@@ -166,7 +169,7 @@ impl Segmentation {
     }
 
     /// A number of segments over a range, with overlaps of half a segment.
-    pub(crate) fn of(count: u32, t_min_c: f64, t_max_c: f64) -> Result<Self, SegmentError> {
+    pub fn of(count: u32, t_min_c: f64, t_max_c: f64) -> Result<Self, SegmentError> {
         let unit_c = (t_max_c - t_min_c) / f64::from(4 * count);
         let segments = (0..count).map(|k| Segment {
             t_min_c: t_min_c + unit_c * f64::from((4 * k).saturating_sub(1)),
@@ -211,7 +214,7 @@ impl Segmentation {
     }
 
     /// The stretches of the range, coldest first.
-    pub(crate) fn pieces(&self, overlap: Overlap) -> Vec<Piece> {
+    pub fn pieces(&self, overlap: Overlap) -> Vec<Piece> {
         let mut pieces = Vec::new();
         let mut from_c = self.segments[0].t_min_c;
         let mut push = |to_c: f64, segment, blended| {

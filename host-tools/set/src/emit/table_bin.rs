@@ -7,7 +7,7 @@ use tempco_image::{
 };
 use tempco_log::AxisUnit;
 
-use super::{ChannelSet, CoefficientSet, TableData};
+use crate::{ChannelSet, CoefficientSet, TableData};
 
 /// Most bytes of an image: six axes of the most cells, each its own channel, with room for heads.
 const MOST_BYTES: usize = 6 * (100 + 20 * tempco::MAX_CELLS) + 256;
@@ -108,7 +108,7 @@ pub fn table_bin(set: &CoefficientSet) -> Result<Vec<u8>, String> {
 }
 
 /// Whether bytes are an image of the tables of a set, of whatever version.
-pub(super) fn is_of(set: &CoefficientSet, bytes: &[u8]) -> bool {
+pub(crate) fn is_of(set: &CoefficientSet, bytes: &[u8]) -> bool {
     let mut place = Box::new(AlignedBytes([0; MOST_BYTES]));
     let Some(start) = place.0.get_mut(..bytes.len()) else {
         return false;

@@ -5,9 +5,9 @@ use std::fmt::Write as _;
 use tempco::ThermalSettings;
 use tempco_image::MAX_AXES;
 
-use super::image::gains;
-use super::{ChannelSet, CoefficientSet};
+use super::table_bin::gains;
 use crate::escape::{c_literal, comment};
+use crate::{ChannelSet, CoefficientSet};
 
 /// Type definitions, guarded on their own, so that tables of several units can be included.
 const TYPES: &str = r#"#ifndef TEMPCO_TABLE_TYPES
@@ -106,7 +106,7 @@ fn write_table_h(out: &mut String, set: &CoefficientSet) -> std::fmt::Result {
 
 /// The lines by which a table is known to be of a set: serial number, CRC, and the names and units
 /// of the axes of each channel.
-pub(super) fn identity(set: &CoefficientSet) -> Vec<String> {
+pub(crate) fn identity(set: &CoefficientSet) -> Vec<String> {
     let channels = set.channels.iter().enumerate();
     let of_axes = channels.flat_map(|(number, channel)| axis_lines(number, channel));
     heading(set).into_iter().chain(of_axes).collect()

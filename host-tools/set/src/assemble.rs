@@ -4,26 +4,32 @@ use tempco::ThermalSettings;
 
 use crate::model::AxisModel;
 use crate::segment::{Overlap, Segmentation};
-use crate::set::{
-    AxisSet, ChannelSet, CoefficientSet, FORMAT_VERSION, GainSet, PlayData, Provenance, Screening,
-    SegmentSet, Selection, Settings, SlowPartData, TableData, Term, numbers,
-};
+use crate::table::numbers;
 use crate::tabulate::tabulate;
+use crate::{
+    AxisSet, ChannelSet, CoefficientSet, FORMAT_VERSION, GainSet, PlayData, Provenance, Screening,
+    SegmentSet, Selection, Settings, SlowPartData, TableData, Term,
+};
 
 /// A channel before its table is made.
-pub(crate) struct Fitted {
-    pub(crate) temperature: String,
-    pub(crate) segments: Vec<SegmentSet>,
-    pub(crate) axes: Vec<AxisSet>,
+pub struct Fitted {
+    /// Name of the temperature column.
+    pub temperature: String,
+    /// The segments and what was found in each.
+    pub segments: Vec<SegmentSet>,
+    /// The axes, with the polynomials of all segments.
+    pub axes: Vec<AxisSet>,
     /// Earned states, each with its largest value in the fit \[degC\]; their gains are with the
     /// axes.
-    pub(crate) history: Vec<(Term, f32)>,
-    pub(crate) screening: Option<Screening>,
-    pub(crate) selection: Option<Selection>,
+    pub history: Vec<(Term, f32)>,
+    /// What was left out of the fit, and what was found in the logs.
+    pub screening: Option<Screening>,
+    /// What the model was chosen from.
+    pub selection: Option<Selection>,
 }
 
 /// Makes the channel's table; `calibrated_c` is the range of temperatures that was measured.
-pub(crate) fn channel(
+pub fn channel(
     fitted: Fitted,
     segmentation: &Segmentation,
     overlap: Overlap,
@@ -93,7 +99,7 @@ fn history(fitted: &Fitted) -> (Vec<PlayData>, Vec<SlowPartData>) {
 }
 
 /// Puts the channels together and seals them with the CRC.
-pub(crate) fn set(
+pub fn set(
     serial: String,
     provenance: Provenance,
     settings: Settings,
@@ -150,12 +156,12 @@ fn level_history(channels: &mut [ChannelSet]) {
 }
 
 /// The name and version that go into provenance.
-pub(crate) fn tool() -> String {
+pub fn tool() -> String {
     concat!("tempco ", env!("CARGO_PKG_VERSION")).to_owned()
 }
 
 /// The present time; `SOURCE_DATE_EPOCH` overrules it where output must be reproducible.
-pub(crate) fn now() -> String {
+pub fn now() -> String {
     let fixed = std::env::var("SOURCE_DATE_EPOCH")
         .ok()
         .and_then(|seconds| jiff::Timestamp::from_second(seconds.parse().ok()?).ok());

@@ -1,38 +1,11 @@
 //! The coefficient set: everything that was fitted, in f64, and the table that flies, in f32.
 
-mod axis;
-mod c_header;
-mod check;
-mod emit;
-mod folder;
-mod history;
-mod image;
-mod model_kind;
-mod of_image;
-mod provenance;
-mod screening;
-mod selection;
-mod table;
-
-pub use axis::{AxisSet, AxisStatistics, CoefficientSigmas, GainSet, NoiseSet};
-pub use c_header::table_h;
-pub use check::SCALE_FACTORS_ARCSEC;
-pub use emit::table_rs;
-pub use folder::{MARK, REPORT, TABLE_BIN, WriteError, file_names, strangers, write_set};
-pub use history::{PlayData, SlowPartData, Term};
-pub use image::table_bin;
-pub use model_kind::Model;
-pub use of_image::set_of_image;
-pub use provenance::{Input, Provenance, SignOff};
-pub use screening::{BiasStep, Screening, Stretch};
-pub use selection::{Candidate, HeldOutErrors, Place, Selection};
-pub use table::{TableData, TableUse, use_tables};
-pub(crate) use table::{numbers, use_axis};
-
 use serde::{Deserialize, Serialize};
 
 use crate::model::{Mismatch, mismatches};
 use crate::segment::{Overlap, Segment, SegmentError, Segmentation};
+use crate::table::{self, TableData};
+use crate::{AxisSet, Model, Provenance, Screening, Selection, SignOff};
 
 /// Version of the JSON format; a reader refuses another one.
 pub const FORMAT_VERSION: u32 = 1;
@@ -120,7 +93,7 @@ pub struct SegmentSet {
 }
 
 impl SegmentSet {
-    fn range(&self) -> Segment {
+    pub(crate) fn range(&self) -> Segment {
         Segment {
             t_min_c: self.t_min_c,
             t_max_c: self.t_max_c,

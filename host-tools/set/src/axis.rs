@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use tempco_log::AxisUnit;
 
-use super::HeldOutErrors;
+use crate::HeldOutErrors;
 use crate::model::Polynomial;
 
 /// One axis as fitted.
@@ -74,7 +74,7 @@ pub struct CoefficientSigmas {
 
 impl CoefficientSigmas {
     /// From the leading coefficients of `1, z, z^2, T', z T'`.
-    pub(crate) fn new(sigmas: &[f64], correlations: &[Vec<f64>]) -> Self {
+    pub fn new(sigmas: &[f64], correlations: &[Vec<f64>]) -> Self {
         let at = |term: usize| sigmas.get(term).copied().unwrap_or(0.0);
         let correlation = |i: usize, j: usize| {
             let row = correlations.get(i);
@@ -88,7 +88,7 @@ impl CoefficientSigmas {
     }
 
     /// From the covariance of `a0 a1 a2 r0 r1`.
-    pub(crate) fn from_covariance(covariance: [[f64; 5]; 5]) -> Self {
+    pub fn from_covariance(covariance: [[f64; 5]; 5]) -> Self {
         let sigmas: [f64; 5] = std::array::from_fn(|i| covariance[i][i].max(0.0).sqrt());
         let correlation = |i: usize, j: usize| match sigmas[i] * sigmas[j] {
             0.0 => 0.0,
@@ -102,7 +102,8 @@ impl CoefficientSigmas {
         }
     }
 
-    pub(crate) fn scale(&mut self, factor: f64) {
+    /// Multiplies all of them.
+    pub fn scale(&mut self, factor: f64) {
         for sigma in self.a.iter_mut().chain(&mut self.r) {
             *sigma *= factor;
         }

@@ -1,0 +1,56 @@
+//! The coefficient set of a unit: its records and its table, what is emitted from it and read back,
+//! and its run over a log.
+//!
+//! Whatever flies is computed by the `tempco` core itself: [`run`] drives it over a log.
+//!
+//! | modules | what they do |
+//! | --- | --- |
+//! | `set`, `axis`, `table`, `history`, `provenance`, `screening`, `selection`, `model_kind` | the records that `coefficients.json` holds |
+//! | `segment`, `model` | segments of temperature and the polynomials in them |
+//! | `tabulate`, [`assemble`] | fitted polynomials to a table and a set |
+//! | `check`, `rounding` | whether a set that was read holds together; bounds on the table's rounding |
+//! | `emit` | `table.rs`, `table.h`, `table.bin`, and a set from a flash image |
+//! | `load`, `import`, `folder` | sets from files, printed coefficients, the folder of a set |
+//! | [`run`] | the core over a log: in memory, or as a stream |
+//! | [`escape`], [`files`] | texts from elsewhere; files that belong together |
+#![forbid(unsafe_code)]
+
+pub mod assemble;
+mod axis;
+mod check;
+mod emit;
+pub mod escape;
+pub mod files;
+mod folder;
+mod history;
+mod import;
+mod load;
+mod model;
+mod model_kind;
+mod provenance;
+mod rounding;
+pub mod run;
+mod screening;
+mod segment;
+mod selection;
+mod set;
+mod table;
+mod tabulate;
+
+pub use axis::{AxisSet, AxisStatistics, CoefficientSigmas, GainSet, NoiseSet};
+pub use check::SCALE_FACTORS_ARCSEC;
+pub use emit::{set_of_image, table_bin, table_h, table_rs};
+pub use folder::{MARK, REPORT, TABLE_BIN, WriteError, file_names, strangers, write_set};
+pub use history::{PlayData, SlowPartData, Term};
+pub use load::{SetError, check_folder, load_set, read_set};
+pub use model::{AxisModel, Mismatch, Polynomial, TERMS};
+pub use model_kind::Model;
+pub use provenance::{Input, Provenance, SignOff};
+pub use rounding::RoundingBound;
+pub use screening::{BiasStep, Screening, Stretch};
+pub use segment::{Overlap, Piece, Segment, SegmentError, Segmentation};
+pub use selection::{Candidate, HeldOutErrors, Place, Selection};
+pub use set::{
+    ChannelSet, CoefficientSet, Coverage, FORMAT_VERSION, MISMATCH_ALARM, SegmentSet, Settings,
+};
+pub use table::{TableData, TableUse, use_axis, use_tables};
