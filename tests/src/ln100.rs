@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use tempco_fit::allan::overlapping;
+use tempco_evaluate::allan::overlapping;
 use tempco_twin::{Output, Profile, Simulation, Unit};
 
 use crate::shared;

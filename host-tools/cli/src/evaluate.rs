@@ -5,7 +5,7 @@ mod show;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
-use tempco_fit::metrics::{Evaluation, Role, evaluate};
+use tempco_evaluate::{Evaluation, Role, evaluate};
 use tempco_report::{Judgement, Report, Subject};
 use tempco_set::CoefficientSet;
 use tempco_set::run::Reread;

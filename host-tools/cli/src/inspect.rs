@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use anyhow::{Result, ensure};
 use serde_json::{Value, json};
-use tempco_fit::metrics::boundaries;
+use tempco_evaluate::boundaries;
 use tempco_set::{ChannelSet, CoefficientSet, MISMATCH_ALARM, read_set};
 
 use crate::Verdict;

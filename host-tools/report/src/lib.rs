@@ -21,7 +21,7 @@ pub use gather::{Gatherer, LogTimes};
 pub use text::{figure, percent, states};
 pub use verdict::{Judgement, Verdict};
 
-use tempco_fit::metrics::Evaluation;
+use tempco_evaluate::Evaluation;
 use tempco_set::CoefficientSet;
 use thiserror::Error;
 

@@ -1,6 +1,6 @@
 //! The verdict on a set, and why.
 
-use tempco_fit::metrics::{AxisEvaluation, Evaluation, Role};
+use tempco_evaluate::{AxisEvaluation, Evaluation, Role};
 use tempco_set::{AxisSet, CoefficientSet, SegmentSet};
 
 use crate::text::{figure, percent};

@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use comfy_table::Table;
-use tempco_fit::metrics::{AllanCurves, AxisEvaluation, Evaluation, Measured, Role};
+use tempco_evaluate::{AllanCurves, AxisEvaluation, Evaluation, Measured, Role};
 
 use crate::output::{figure, percent, print, print_lines, table};
 use crate::set_tables::show_coverage;

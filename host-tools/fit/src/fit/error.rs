@@ -1,11 +1,10 @@
 //! Why a fit was refused.
 
 use tempco::TableError;
+use tempco_evaluate::TAU_RANGE_S;
 use tempco_set::run::ApplyError;
 use tempco_set::{Segment, SegmentError};
 use thiserror::Error;
-
-use crate::metrics::TAU_RANGE_S;
 
 /// A fit was refused.
 #[derive(Debug, Error)]

@@ -9,6 +9,7 @@ use channel::Findings;
 pub use error::FitError;
 
 use tempco::ThermalSettings;
+use tempco_evaluate::TAU_RANGE_S;
 use tempco_log::{Log, parallel};
 use tempco_set::run::with_every_rate;
 use tempco_set::{
@@ -20,7 +21,6 @@ use crate::digest::{LogDigest, Plan, digest_log};
 use crate::joint::{
     self, Blocks, Choice, Chosen, FixedLag, LEAST_RATES, Question, RateForm, Spline,
 };
-use crate::metrics::TAU_RANGE_S;
 use crate::regress::ChannelData;
 use crate::screen::screen;
 use crate::statistics;

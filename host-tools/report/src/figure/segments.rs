@@ -2,7 +2,7 @@
 
 use plotters::element::DashedPathElement;
 use plotters::prelude::*;
-use tempco_fit::metrics::boundaries;
+use tempco_evaluate::boundaries;
 use tempco_set::ChannelSet;
 
 use super::canvas::{DrawError, Figure};

@@ -6,7 +6,7 @@
 //! differences are few and every one counts. A log of up to [`MOST_CLUSTERS`] rows has clusters of
 //! one row: its whole curve is the overlapping one.
 
-use tempco_fit::allan::overlapping;
+use tempco_evaluate::allan::overlapping;
 
 /// The most clusters that are kept.
 pub(crate) const MOST_CLUSTERS: usize = 1 << 16;

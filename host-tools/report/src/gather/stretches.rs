@@ -35,7 +35,7 @@ impl LongestStretch {
 
     /// The stretch to which a row at `time_s` belongs. An interval of less than half of the usual
     /// one or more than one and a half times as much ends a stretch, as in
-    /// [`longest_stretch`](tempco_fit::allan::longest_stretch).
+    /// [`longest_stretch`](tempco_evaluate::allan::longest_stretch).
     #[inline]
     pub(crate) fn at(&mut self, time_s: f64) -> &mut Stretch {
         let regular = (0.5 * self.interval_s)..=(1.5 * self.interval_s);

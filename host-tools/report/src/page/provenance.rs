@@ -1,7 +1,7 @@
 //! What the set was made from, and with which settings.
 
 use maud::{Markup, html};
-use tempco_fit::metrics::Role;
+use tempco_evaluate::Role;
 use tempco_set::{ChannelSet, CoefficientSet};
 
 use super::{cell, table};

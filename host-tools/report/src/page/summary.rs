@@ -1,7 +1,7 @@
 //! The verdict and the figures behind it.
 
 use maud::{Markup, html};
-use tempco_fit::metrics::{Evaluation, Role};
+use tempco_evaluate::{Evaluation, Role};
 use tempco_set::CoefficientSet;
 
 use super::{axis_cell, cell, table};

@@ -1,7 +1,7 @@
 //! The tables below the figures.
 
 use maud::{Markup, html};
-use tempco_fit::metrics::{self, Evaluation};
+use tempco_evaluate::Evaluation;
 use tempco_set::{AxisSet, Candidate, ChannelSet, CoefficientSet, HeldOutErrors};
 
 use super::{axis_cell, cell, table};
@@ -53,7 +53,7 @@ pub(super) fn boundaries(set: &CoefficientSet) -> Markup {
     let mut rows = Vec::new();
     for (channel, number, axis) in axes(set) {
         let range = channel.table.static_range(number);
-        for boundary in metrics::boundaries(channel, number) {
+        for boundary in tempco_evaluate::boundaries(channel, number) {
             rows.push(vec![
                 axis_cell(&axis.name, axis.unit),
                 cell(format!(

@@ -1,8 +1,8 @@
 //! The paper's calibration, on a simulated unit.
 
 use anyhow::{Context, Result};
+use tempco_evaluate::evaluate;
 use tempco_fit::fit::{FitOptions, fit};
-use tempco_fit::metrics::evaluate;
 use tempco_log::{Axis, AxisUnit, Channel, Log};
 use tempco_set::{CoefficientSet, Model, Overlap, Segmentation};
 use tempco_twin::{AXIS_NAMES, DEFAULT_RATE_HZ, Profile, Simulation, Step, Unit};

@@ -2,7 +2,7 @@
 //!
 //! `tests/allan/reference.py` wrote `tests/allan/reference.csv` from the series made here.
 
-use tempco_fit::allan::overlapping;
+use tempco_evaluate::allan::overlapping;
 
 /// Largest relative deviation from allantools.
 const ALLOWED: f64 = 1e-9;

@@ -4,8 +4,8 @@ use serde::Serialize;
 use tempco_log::Log;
 use tempco_set::run::AxisOutput;
 
-use super::means::Means;
-use super::measured::Measured;
+use crate::means::Means;
+use crate::measured::Measured;
 
 /// Bias stability at one averaging time.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -62,7 +62,7 @@ pub struct AllanPoint {
 /// On a ramp of 3 per second the deviation is `3 tau / sqrt(2)`:
 ///
 /// ```
-/// use tempco_fit::allan::overlapping;
+/// use tempco_evaluate::allan::overlapping;
 ///
 /// let ramp = (0..100).map(|i| 3.0 * f64::from(i));
 /// let points = overlapping(ramp, 1.0);

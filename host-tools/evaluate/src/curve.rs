@@ -4,11 +4,11 @@ use serde::Serialize;
 use tempco_log::{AxisUnit, Log};
 use tempco_set::run::AxisOutput;
 
-use super::measured::Measured;
 use crate::allan::{
     AllanPoint, BiasInstability, RandomWalk, bias_instability, longest_stretch, overlapping,
     random_walk,
 };
+use crate::measured::Measured;
 
 /// Allan deviations of an axis over the longest stretch of its log without a gap.
 #[derive(Clone, Debug, PartialEq, Serialize)]

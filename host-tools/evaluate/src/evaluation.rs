@@ -1,19 +1,4 @@
-//! Figures of merit of a set on a log. None of them is a figure without its method and averaging
-//! time; `docs/metrics.md` says for each what it means and what a bad value tells.
-
-mod correlation;
-mod curve;
-mod hysteresis;
-mod means;
-mod measured;
-mod reference;
-mod stability;
-
-pub use correlation::Correlation;
-pub use curve::{AllanCurves, AllanOfAxis};
-pub use hysteresis::Hysteresis;
-pub use measured::Measured;
-pub use stability::{Sigmas, Stability};
+//! How a set does on a log: all figures of all axes.
 
 use std::ops::RangeInclusive;
 
@@ -25,10 +10,13 @@ use tempco_set::run::{
 use tempco_set::{ChannelSet, CoefficientSet, CoefficientSigmas, SegmentSet, SignOff, assemble};
 use thiserror::Error;
 
-use correlation::pearson;
-use hysteresis::Bins;
-use means::Means;
-use reference::Reference;
+use crate::correlation::{Correlation, pearson};
+use crate::curve::AllanOfAxis;
+use crate::hysteresis::{Bins, Hysteresis};
+use crate::means::Means;
+use crate::measured::Measured;
+use crate::reference::Reference;
+use crate::stability::Stability;
 
 /// Averaging times that can be asked for \[s\]: from the shortest time between rows to decades.
 pub const TAU_RANGE_S: RangeInclusive<f64> = 1e-4..=1e9;

@@ -4,7 +4,7 @@ use tempco_log::Log;
 use tempco_set::CoefficientSet;
 use tempco_set::run::{ApplyError, apply};
 
-use crate::metrics::means::Means;
+use crate::means::Means;
 
 /// Bias stability of the reference: by axis and averaging time.
 pub(super) struct Reference {

@@ -1,0 +1,32 @@
+//! Figures of merit of a set on a log. None of them is a figure without its method and averaging
+//! time; `docs/metrics.md` says for each what it means and what a bad value tells.
+//!
+//! | modules | what they do |
+//! | --- | --- |
+//! | `evaluation` | [`evaluate`]: all figures of all axes; [`boundaries`] between segments |
+//! | `means`, `stability` | means over an averaging time, and their spread |
+//! | `reference` | what the compensation is compared with |
+//! | `correlation`, `hysteresis` | what is left of temperature, and of its direction |
+//! | `curve`, [`allan`] | Allan deviations of an axis, and how they are computed |
+//! | `measured` | a figure, or why there is none |
+#![forbid(unsafe_code)]
+
+pub mod allan;
+mod correlation;
+mod curve;
+mod evaluation;
+mod hysteresis;
+mod means;
+mod measured;
+mod reference;
+mod stability;
+
+pub use correlation::Correlation;
+pub use curve::{AllanCurves, AllanOfAxis};
+pub use evaluation::{
+    AxisEvaluation, Boundary, EvaluateError, Evaluation, JudgedLog, Role, TAU_RANGE_S, boundaries,
+    evaluate,
+};
+pub use hysteresis::Hysteresis;
+pub use measured::Measured;
+pub use stability::{Sigmas, Stability};
