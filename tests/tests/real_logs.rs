@@ -3,8 +3,8 @@
 use std::ops::Range;
 
 use tempco::{Thermal, ThermalSettings};
-use tempco_fit::fit::{Fit, FitOptions, fit};
 use tempco_fit::rfactor::RFactor;
+use tempco_fit::{Fit, FitOptions, fit};
 use tempco_log::{Log, ReadOptions, read_log};
 use tempco_set::Model;
 use tempco_set::run::{apply, thermal_points};

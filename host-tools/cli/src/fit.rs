@@ -6,7 +6,7 @@ use anyhow::{Context, Result, ensure};
 use clap::ValueEnum;
 use serde_json::json;
 use tempco::ThermalSettings;
-use tempco_fit::fit::{Fit, FitOptions, States, fit_digests};
+use tempco_fit::{Fit, FitOptions, States, fit_digests};
 use tempco_log::ReadOptions;
 use tempco_report::{Judgement, Report, Subject};
 use tempco_set::{CoefficientSet, Model, Overlap, Segmentation, Stretch, file_names, write_set};

@@ -6,7 +6,7 @@ use std::error::Error;
 use std::fmt::Write;
 use std::path::PathBuf;
 
-use tempco_fit::fit::{FitOptions, fit};
+use tempco_fit::{FitOptions, fit};
 use tempco_log::{ReadOptions, read_log};
 use tempco_set::{MARK, Model, write_set};
 

@@ -9,23 +9,31 @@
 //!
 //! | modules | what they do |
 //! | --- | --- |
-//! | [`fit`](mod@fit) | logs in, coefficient set out |
+//! | `options`, `fit`, `error` | what to fit; [`fit()`]: logs in, coefficient set out |
 //! | [`digest`] | what a fit needs of a log, in one pass |
 //! | `regress`, `screen` | one channel in all logs; what does not belong into a fit |
-//! | `solve`, [`rfactor`] | least squares, segment by segment |
+//! | `segments`, [`rfactor`] | least squares, segment by segment |
 //! | `joint` | the spline model, and the choice among models |
+//! | `channel_fit` | a fitted channel, whatever its model, on its way into the set |
 //! | `statistics` | how the set does on the logs it was fitted to |
 //! | [`batch`] | many units at once |
 #![forbid(unsafe_code)]
 
 pub mod batch;
+mod channel_fit;
 pub mod digest;
-pub mod fit;
+mod error;
+mod fit;
 mod joint;
+mod options;
 mod regress;
 pub mod rfactor;
 mod screen;
-mod solve;
+mod segments;
 mod statistics;
 #[cfg(test)]
 mod testing;
+
+pub use error::FitError;
+pub use fit::{Fit, fit, fit_digests};
+pub use options::{FitOptions, States};

@@ -2,7 +2,7 @@
 
 mod worlds;
 
-use tempco_fit::fit::{FitOptions, fit};
+use tempco_fit::{FitOptions, fit};
 use tempco_set::run::apply;
 use tempco_set::{CoefficientSet, Model, Overlap};
 

@@ -3,7 +3,7 @@
 mod worlds;
 
 use tempco::{Thermal, ThermalSettings};
-use tempco_fit::fit::{FitOptions, States, fit};
+use tempco_fit::{FitOptions, States, fit};
 use tempco_log::{AxisUnit, Log};
 use tempco_set::run::thermal_points;
 use tempco_set::{CoefficientSet, Model, Overlap};

@@ -6,7 +6,7 @@ mod worlds;
 use tempco::{
     Compensator, HistoryState, Interval, Play, SlowPart, Table, Terms, Thermal, ThermalSettings,
 };
-use tempco_fit::fit::{Fit, FitOptions, States, fit};
+use tempco_fit::{Fit, FitOptions, States, fit};
 use tempco_log::{AxisUnit, Log};
 use tempco_set::run::apply;
 use tempco_set::{CoefficientSet, GainSet, Model, PlayData, SlowPartData, load_set, table_rs};

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use tempco_fit::fit::{FitOptions, fit};
+use tempco_fit::{FitOptions, fit};
 use tempco_log::{ReadOptions, read_log};
 use tempco_set::Model;
 use tempco_set::run::{Reread, apply, rerun};

@@ -1,6 +1,6 @@
 //! What a fit says of its unit.
 
-use crate::fit::Fit;
+use crate::Fit;
 
 /// What became of a unit.
 #[derive(Clone, Debug)]

@@ -28,7 +28,7 @@ use tempco::{Interval, Thermal, ThermalPoint, ThermalState};
 use tempco_log::AxisUnit;
 use tempco_set::Stretch;
 
-/// What must be known before a log is digested; see [`FitOptions::plan`](crate::fit::FitOptions::plan).
+/// What must be known before a log is digested; see [`FitOptions::plan`](crate::FitOptions::plan).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
     /// Settings of the thermal path, with limits that no rate reaches.

@@ -11,10 +11,10 @@ use tempco_twin::{Profile, Simulation, Unit};
 
 use super::grid::{Grid, MOST_BLOCKS};
 use super::*;
-use crate::fit::{FitOptions, fit, fit_digests};
 use crate::regress::ChannelData;
 use crate::rfactor::RFactor;
 use crate::testing::white;
+use crate::{FitOptions, fit, fit_digests};
 
 /// Rows of a channel with one axis, at irregular times, some not kept.
 fn rows(count: usize, interval_s: f64, seed: u64) -> Rows {

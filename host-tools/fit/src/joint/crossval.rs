@@ -7,7 +7,7 @@ use crate::joint::blocks::Blocks;
 use crate::joint::folds::Folds;
 use crate::joint::gram::Gram;
 use crate::joint::lag::Regressors;
-use crate::solve::SegmentRows;
+use crate::segments::solve::SegmentRows;
 
 /// Sums of squared errors of held-out blocks, by axis and fold.
 #[derive(Clone, Debug, PartialEq)]

@@ -6,7 +6,8 @@ use tempco_set::{
     CoefficientSigmas, GainSet, NoiseSet, Overlap, Segment, SegmentSet, Segmentation, TERMS,
 };
 
-use crate::fit::{ChannelFit, FitError};
+use crate::channel_fit::ChannelFit;
+use crate::error::FitError;
 use crate::joint::basis::RateForm;
 use crate::joint::blocks::{Blocks, SamplePoints};
 use crate::joint::covariance::of_combinations;
@@ -14,7 +15,7 @@ use crate::joint::select::Spline;
 use crate::joint::solve::{AxisSolution, Rows, solve_axes};
 use crate::joint::states::sample_states;
 use crate::regress::ChannelData;
-use crate::solve::{LEAST_SPAN, Place, SegmentRows, Unfit};
+use crate::segments::solve::{LEAST_SPAN, Place, SegmentRows, Unfit};
 
 /// Fits a spline model with the settings' thermal path at its lag; an axis without its rate terms
 /// or earned states keeps the rest.

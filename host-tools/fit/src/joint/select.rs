@@ -12,7 +12,7 @@ use crate::joint::layout::{Layout, MOST_SEGMENTS};
 use crate::joint::states::{Shape, block_states};
 use crate::regress::ChannelData;
 use crate::rfactor::RFactor;
-use crate::solve::{LEAST_SHARE, SENSOR_NOISE_C};
+use crate::segments::solve::{LEAST_SHARE, SENSOR_NOISE_C};
 
 /// Segments of the basis with which the lag is searched.
 const SEARCH_SEGMENTS: usize = 8;

@@ -202,7 +202,7 @@ impl LogSums {
 #[cfg(test)]
 mod tests {
     use tempco::{Status, ThermalPoint};
-    use tempco_fit::fit::{FitOptions, fit};
+    use tempco_fit::{FitOptions, fit};
     use tempco_log::{Axis, AxisUnit, Channel, Log};
     use tempco_set::Model;
     use tempco_set::run::{AxisOutput, ChannelAnswers};

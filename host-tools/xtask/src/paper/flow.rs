@@ -2,7 +2,7 @@
 
 use anyhow::{Context, Result};
 use tempco_evaluate::evaluate;
-use tempco_fit::fit::{FitOptions, fit};
+use tempco_fit::{FitOptions, fit};
 use tempco_log::{Axis, AxisUnit, Channel, Log};
 use tempco_set::{CoefficientSet, Model, Overlap, Segmentation};
 use tempco_twin::{AXIS_NAMES, DEFAULT_RATE_HZ, Profile, Simulation, Step, Unit};

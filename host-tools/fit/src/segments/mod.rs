@@ -1,15 +1,17 @@
 //! The paper's fit: each segment by itself, overlaps shared.
 
+pub(crate) mod solve;
+
 use tempco::ThermalSettings;
 use tempco_set::{
     CoefficientSigmas, Overlap, Polynomial, Segment, SegmentSet, Segmentation, TERMS,
 };
 
+use crate::channel_fit::ChannelFit;
 use crate::digest::Moments;
-use crate::fit::FitError;
-use crate::fit::channel::ChannelFit;
+use crate::error::FitError;
 use crate::regress::ChannelData;
-use crate::solve::{Place, SegmentRows};
+use crate::segments::solve::{Place, SegmentRows};
 
 /// Fits `terms` terms, or as many as the data can carry, to every segment.
 pub(crate) fn fit(
