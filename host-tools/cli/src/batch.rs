@@ -7,7 +7,7 @@ use anyhow::{Context, Result, anyhow, bail, ensure};
 use tempco_fit::batch::{
     Outcome, SUMMARY_FILES, Summary, UnitFigures, UnitLogs, check_serial, find_units,
 };
-use tempco_fit::digest::{Plan, digest_file};
+use tempco_fit::summary::{Plan, digest_file};
 use tempco_fit::{FitOptions, fit_digests};
 use tempco_log::{ReadOptions, parallel};
 use tempco_report::Judgement;

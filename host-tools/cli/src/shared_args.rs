@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Error, Result};
 use tempco_evaluate::TAU_RANGE_S;
-use tempco_fit::digest::{LogDigest, Plan, digest_file};
+use tempco_fit::summary::{LogDigest, Plan, digest_file};
 use tempco_log::{
     AxisColumn, COLUMN_UNITS, Log, Mapping, ReadOptions, TempColumn, list_names, parallel,
     read_log_observed,

@@ -7,7 +7,7 @@ use tempco_set::{
     Screening, SegmentSet, Segmentation, Selection, Term,
 };
 
-use crate::regress::ChannelData;
+use crate::summary::ChannelData;
 
 /// A fitted channel before its table is made.
 pub(crate) struct ChannelFit {

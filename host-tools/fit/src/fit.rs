@@ -8,14 +8,14 @@ use tempco_set::{
 };
 
 use crate::channel_fit::Findings;
-use crate::digest::{LogDigest, digest_log};
 use crate::error::FitError;
 use crate::joint::{
     self, Blocks, Choice, Chosen, FixedLag, LEAST_RATES, Question, RateForm, Spline,
 };
 use crate::options::{FitOptions, States};
-use crate::regress::ChannelData;
-use crate::screen::screen;
+use crate::outliers::screen;
+use crate::summary::ChannelData;
+use crate::summary::{LogDigest, digest_log};
 use crate::{segments, statistics};
 
 /// The whole log must span this much for a fit to mean anything \[degC\].

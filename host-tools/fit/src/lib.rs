@@ -1,8 +1,8 @@
 //! Fits coefficient sets of gyro and accelerometer biases to thermal-chamber logs.
 //!
 //! ```text
-//! log -> digest (the core) -> screen -+-> solve (per segment) --+-> set, with its statistics
-//!                                     +-> joint (one spline) ---+
+//! log -> summary (the core) -> outliers -+-> segments ------------+-> set, with its statistics
+//!                                        +-> joint (one spline) --+
 //! ```
 //!
 //! The regressors that the fit sees are computed by the `tempco` core itself, run over the log.
@@ -10,8 +10,8 @@
 //! | modules | what they do |
 //! | --- | --- |
 //! | `options`, `fit`, `error` | what to fit; [`fit()`]: logs in, coefficient set out |
-//! | [`digest`] | what a fit needs of a log, in one pass |
-//! | `regress`, `screen` | one channel in all logs; what does not belong into a fit |
+//! | [`summary`] | what a fit needs of a log, in one pass; one channel in all logs |
+//! | `outliers` | what does not belong into a fit |
 //! | `segments`, [`rfactor`] | least squares, segment by segment |
 //! | `joint` | the spline model, and the choice among models |
 //! | `channel_fit` | a fitted channel, whatever its model, on its way into the set |
@@ -21,16 +21,15 @@
 
 pub mod batch;
 mod channel_fit;
-pub mod digest;
 mod error;
 mod fit;
 mod joint;
 mod options;
-mod regress;
+mod outliers;
 pub mod rfactor;
-mod screen;
 mod segments;
 mod statistics;
+pub mod summary;
 #[cfg(test)]
 mod testing;
 

@@ -5,8 +5,8 @@ use tempco_evaluate::TAU_RANGE_S;
 use tempco_set::run::with_every_rate;
 use tempco_set::{Model, Overlap, Segmentation, Stretch};
 
-use crate::digest::Plan;
 use crate::error::FitError;
+use crate::summary::Plan;
 
 /// Length of the blocks of a digest \[s\]: short against every time constant of a thermal model,
 /// long enough to make a day a matter of some thousand blocks.

@@ -1,6 +1,6 @@
 //! How far a unit is from the others, undisturbed by those that are far.
 
-use crate::screen::SIGMA_PER_MAD;
+use crate::outliers::SIGMA_PER_MAD;
 
 /// Units whose |z| is above this are outliers (Iglewicz and Hoaglin, 1993).
 pub const OUTLIER_Z: f64 = 3.5;

@@ -14,8 +14,8 @@ use crate::joint::covariance::of_combinations;
 use crate::joint::select::Spline;
 use crate::joint::solve::{AxisSolution, Rows, solve_axes};
 use crate::joint::states::sample_states;
-use crate::regress::ChannelData;
 use crate::segments::solve::{LEAST_SPAN, Place, SegmentRows, Unfit};
+use crate::summary::ChannelData;
 
 /// Fits a spline model with the settings' thermal path at its lag; an axis without its rate terms
 /// or earned states keeps the rest.

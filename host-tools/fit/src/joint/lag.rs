@@ -7,7 +7,7 @@ use crate::joint::blocks::Blocks;
 use crate::joint::folds::Folds;
 use crate::joint::gram::Gram;
 use crate::joint::states::{Shape, block_states};
-use crate::regress::ChannelData;
+use crate::summary::ChannelData;
 
 /// Shifts that are tried.
 pub(crate) const KAPPA_RANGE: (f64, f64) = (0.0, 1.3);

@@ -10,9 +10,9 @@ use crate::joint::folds::{Folds, LEAST_FOLDS};
 use crate::joint::lag::{FixedLag, Lag, Regressors, Search};
 use crate::joint::layout::{Layout, MOST_SEGMENTS};
 use crate::joint::states::{Shape, block_states};
-use crate::regress::ChannelData;
 use crate::rfactor::RFactor;
 use crate::segments::solve::{LEAST_SHARE, SENSOR_NOISE_C};
+use crate::summary::ChannelData;
 
 /// Segments of the basis with which the lag is searched.
 const SEARCH_SEGMENTS: usize = 8;

@@ -8,10 +8,10 @@ use tempco_set::{
 };
 
 use crate::channel_fit::ChannelFit;
-use crate::digest::Moments;
 use crate::error::FitError;
-use crate::regress::ChannelData;
 use crate::segments::solve::{Place, SegmentRows};
+use crate::summary::ChannelData;
+use crate::summary::Moments;
 
 /// Fits `terms` terms, or as many as the data can carry, to every segment.
 pub(crate) fn fit(

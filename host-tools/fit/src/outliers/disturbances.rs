@@ -5,8 +5,8 @@ use tempco_log::decimate::median;
 use tempco_set::BiasStep;
 
 use crate::joint::{Basis, Blocks, Gram, RateForm, SparseRow, dot};
-use crate::regress::ChannelData;
-use crate::screen::{SIGMA_PER_MAD, steps};
+use crate::outliers::{SIGMA_PER_MAD, steps};
+use crate::summary::ChannelData;
 
 /// Blocks further from the fit than this many standard deviations are left out.
 const LIMIT: f64 = 6.0;

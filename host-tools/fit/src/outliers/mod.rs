@@ -10,7 +10,7 @@ pub(crate) use spikes::{SpikeScreen, window_rows};
 use tempco::{TableError, ThermalSettings};
 use tempco_set::Screening;
 
-use crate::regress::ChannelData;
+use crate::summary::ChannelData;
 
 /// Counts what was left out of the blocks, takes disturbed blocks out if `robust`, and levels the
 /// logs.

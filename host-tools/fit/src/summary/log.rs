@@ -4,8 +4,8 @@ use std::path::Path;
 
 use tempco_log::{Chunk, Intervals, Log, LogError, LogStream, ReadOptions};
 
-use crate::digest::channel::ChannelDigester;
-use crate::digest::{AxisName, ChannelDigest, LogDigest, Plan};
+use crate::summary::channel::ChannelDigester;
+use crate::summary::{AxisName, ChannelDigest, LogDigest, Plan};
 
 /// Rows from which the interval is taken that the core's first step and the grid start with.
 const FIRST_ROWS: usize = 4096;

@@ -2,7 +2,7 @@
 
 use tempco_log::decimate::median;
 
-use crate::screen::SIGMA_PER_MAD;
+use crate::outliers::SIGMA_PER_MAD;
 
 /// Means over this long before and after are compared \[s\] ...
 const LASTING_S: f64 = 1200.0;

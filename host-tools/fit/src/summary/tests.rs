@@ -11,8 +11,8 @@ use tempco_twin::{Profile, Simulation, Unit};
 
 use super::grid::{Grid, MOST_BLOCKS};
 use super::*;
-use crate::regress::ChannelData;
 use crate::rfactor::RFactor;
+use crate::summary::ChannelData;
 use crate::testing::white;
 use crate::{FitOptions, fit, fit_digests};
 

@@ -14,12 +14,14 @@
 
 mod block;
 mod channel;
+mod channel_data;
 mod grid;
 mod log;
 #[cfg(test)]
 mod tests;
 
 pub(crate) use block::{Extremes, Moments, Rows};
+pub(crate) use channel_data::ChannelData;
 pub(crate) use grid::Block;
 use grid::Sample;
 pub use log::{digest_file, digest_log};

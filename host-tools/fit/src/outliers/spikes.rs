@@ -4,8 +4,8 @@ use std::collections::VecDeque;
 
 use tempco_log::decimate::{Thinned, median};
 
-use crate::digest::Rows;
-use crate::screen::{SIGMA_PER_MAD, SIGMA_PER_STEP};
+use crate::outliers::{SIGMA_PER_MAD, SIGMA_PER_STEP};
+use crate::summary::Rows;
 
 /// Rows further from their local median than this many standard deviations are left out: of
 /// normal noise one in 5e8.

@@ -1,6 +1,6 @@
 //! One channel in all logs of a fit.
 
-use crate::digest::{Block, ChannelDigest, Extremes, LogDigest, Moments};
+use crate::summary::{Block, ChannelDigest, Extremes, LogDigest, Moments};
 
 /// The blocks of one channel in all logs, and which of them are fitted.
 pub(crate) struct ChannelData<'a> {

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::digest::block::{Moments, Rows};
+use crate::summary::block::{Moments, Rows};
 
 /// Samples in a block.
 pub(crate) const SAMPLES_PER_BLOCK: u32 = 10;

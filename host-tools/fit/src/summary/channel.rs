@@ -3,10 +3,10 @@
 use tempco::{Interval, Thermal, ThermalState};
 use tempco_set::run::is_usable;
 
-use crate::digest::block::Rows;
-use crate::digest::grid::{Grid, MOST_BLOCKS};
-use crate::digest::{ChannelDigest, Plan};
-use crate::screen::{SpikeScreen, window_rows};
+use crate::outliers::{SpikeScreen, window_rows};
+use crate::summary::block::Rows;
+use crate::summary::grid::{Grid, MOST_BLOCKS};
+use crate::summary::{ChannelDigest, Plan};
 
 /// Runs the rows of a channel through the core and the screen into blocks.
 pub(super) struct ChannelDigester<'a> {
