@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use tempco::{Thermal, ThermalSettings};
-use tempco_fit::rfactor::RFactor;
+use tempco_fit::least_squares::RFactor;
 use tempco_fit::{Fit, FitOptions, fit};
 use tempco_log::{Log, ReadOptions, read_log};
 use tempco_set::Model;

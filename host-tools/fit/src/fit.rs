@@ -9,13 +9,11 @@ use tempco_set::{
 
 use crate::channel_fit::Findings;
 use crate::error::FitError;
-use crate::joint::{
-    self, Blocks, Choice, Chosen, FixedLag, LEAST_RATES, Question, RateForm, Spline,
-};
+use crate::least_squares::{Blocks, RateForm};
 use crate::options::{FitOptions, States};
 use crate::outliers::screen;
-use crate::summary::ChannelData;
-use crate::summary::{LogDigest, digest_log};
+use crate::spline::{self, Choice, Chosen, FixedLag, LEAST_RATES, Question, Spline};
+use crate::summary::{ChannelData, LogDigest, digest_log};
 use crate::{segments, statistics};
 
 /// The whole log must span this much for a fit to mean anything \[degC\].
@@ -169,7 +167,7 @@ fn fit_channel(
                 remark_on_states(data, &spline, selection, remarks);
             }
             remark_on_rates(data, &spline, remarks);
-            joint::fit(data, options.thermal, &spline)?
+            spline::fit(data, options.thermal, &spline)?
         }
     };
     let findings = Findings {

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! log -> summary (the core) -> outliers -+-> segments ------------+-> set, with its statistics
-//!                                        +-> joint (one spline) --+
+//!                                        +-> spline --------------+
 //! ```
 //!
 //! The regressors that the fit sees are computed by the `tempco` core itself, run over the log.
@@ -12,8 +12,9 @@
 //! | `options`, `fit`, `error` | what to fit; [`fit()`]: logs in, coefficient set out |
 //! | [`summary`] | what a fit needs of a log, in one pass; one channel in all logs |
 //! | `outliers` | what does not belong into a fit |
-//! | `segments`, [`rfactor`] | least squares, segment by segment |
-//! | `joint` | the spline model, and the choice among models |
+//! | [`least_squares`] | normal equations, QR factor, basis of a spline |
+//! | `segments` | the fit of one segment after the other |
+//! | `spline` | the spline model, and the choice among models |
 //! | `channel_fit` | a fitted channel, whatever its model, on its way into the set |
 //! | `statistics` | how the set does on the logs it was fitted to |
 //! | [`batch`] | many units at once |
@@ -23,11 +24,11 @@ pub mod batch;
 mod channel_fit;
 mod error;
 mod fit;
-mod joint;
+pub mod least_squares;
 mod options;
 mod outliers;
-pub mod rfactor;
 mod segments;
+mod spline;
 mod statistics;
 pub mod summary;
 #[cfg(test)]

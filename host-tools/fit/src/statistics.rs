@@ -7,10 +7,8 @@
 use tempco::{HistoryState, Table, TableError};
 use tempco_set::{AxisStatistics, CoefficientSet, Segment, TableData, TableUse, use_axis};
 
-use crate::joint::{Block, Blocks, SamplePoints};
-use crate::rfactor::RFactor;
-use crate::summary::ChannelData;
-use crate::summary::Moments;
+use crate::least_squares::{Block, Blocks, RFactor, SamplePoints};
+use crate::summary::{ChannelData, Moments};
 
 /// Degrees of freedom that the spread of means must have to scale uncertainties: it is then known
 /// to 22 %.

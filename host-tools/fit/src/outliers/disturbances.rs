@@ -4,7 +4,7 @@ use tempco::{TableError, ThermalSettings};
 use tempco_log::decimate::median;
 use tempco_set::BiasStep;
 
-use crate::joint::{Basis, Blocks, Gram, RateForm, SparseRow, dot};
+use crate::least_squares::{Basis, Blocks, Gram, RateForm, SparseRow, dot};
 use crate::outliers::{SIGMA_PER_MAD, steps};
 use crate::summary::ChannelData;
 

@@ -10,8 +10,7 @@ use tempco_set::{
 use crate::channel_fit::ChannelFit;
 use crate::error::FitError;
 use crate::segments::solve::{Place, SegmentRows};
-use crate::summary::ChannelData;
-use crate::summary::Moments;
+use crate::summary::{ChannelData, Moments};
 
 /// Fits `terms` terms, or as many as the data can carry, to every segment.
 pub(crate) fn fit(

@@ -3,7 +3,7 @@
 use tempco_set::{Coverage, TERMS};
 use thiserror::Error;
 
-use crate::rfactor::{RFactor, Solution};
+use crate::least_squares::{RFactor, Solution};
 
 /// A term is dropped where the part of it that the terms before it cannot represent is less than
 /// this share of what it would be with `z` all over the segment: the error of its coefficient

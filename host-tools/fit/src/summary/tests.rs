@@ -11,7 +11,7 @@ use tempco_twin::{Profile, Simulation, Unit};
 
 use super::grid::{Grid, MOST_BLOCKS};
 use super::*;
-use crate::rfactor::RFactor;
+use crate::least_squares::RFactor;
 use crate::summary::ChannelData;
 use crate::testing::white;
 use crate::{FitOptions, fit, fit_digests};

@@ -2,11 +2,10 @@
 
 use tempco::{TableError, ThermalSettings};
 
-use crate::joint::basis::{Basis, SparseRow};
-use crate::joint::blocks::Blocks;
-use crate::joint::folds::Folds;
-use crate::joint::gram::Gram;
-use crate::joint::states::{Shape, block_states};
+use crate::least_squares::{Basis, Blocks, Gram};
+use crate::spline::folds::Folds;
+use crate::spline::history_terms::{Shape, block_states};
+use crate::spline::regressors::{FixedLag, Lag, Regressors};
 use crate::summary::ChannelData;
 
 /// Shifts that are tried.
@@ -26,88 +25,6 @@ const TAU_STEPS: usize = 3;
 
 /// How far a search near a time constant goes, as a factor.
 const NEAR: f64 = 2.0;
-
-/// A time constant with its shift.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Lag {
-    pub(crate) tau_s: f64,
-    pub(crate) kappa: f64,
-}
-
-/// What the caller has fixed.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct FixedLag {
-    pub(crate) tau_s: Option<f64>,
-    pub(crate) kappa: Option<f64>,
-}
-
-/// Temperatures and rates of the blocks at one time constant.
-#[derive(Clone, Debug)]
-pub(crate) struct Regressors<'a> {
-    temp_c: &'a [f64],
-    rates: Vec<f64>,
-    tau_s: f64,
-}
-
-impl<'a> Regressors<'a> {
-    pub(crate) fn new(
-        blocks: &'a Blocks,
-        data: &ChannelData,
-        settings: &ThermalSettings,
-        tau_s: f64,
-    ) -> Result<Self, TableError> {
-        Ok(Self {
-            temp_c: &blocks.temp_c,
-            rates: blocks.rates(data, settings, tau_s)?,
-            tau_s,
-        })
-    }
-
-    pub(crate) fn tau_s(&self) -> f64 {
-        self.tau_s
-    }
-
-    pub(crate) fn rates(&self) -> &[f64] {
-        &self.rates
-    }
-
-    /// Effective temperature of a block: linear in kappa, as in the core.
-    pub(crate) fn effective_c(&self, block: usize, kappa: f64) -> f64 {
-        self.temp_c[block] - kappa * self.tau_s / 60.0 * self.rates[block]
-    }
-
-    /// Lowest and highest effective temperature.
-    pub(crate) fn range_c(&self, kappa: f64) -> (f64, f64) {
-        let count = self.rates.len();
-        let temps: Vec<f64> = (0..count).map(|i| self.effective_c(i, kappa)).collect();
-        Blocks::range(&temps)
-    }
-
-    /// The normal equations of each fold; `states` are the values of the earned ones, block by
-    /// block.
-    pub(crate) fn grams(
-        &self,
-        blocks: &Blocks,
-        folds: &Folds,
-        basis: &Basis,
-        kappa: f64,
-        states: &[Vec<f64>],
-    ) -> Vec<Gram> {
-        let mut grams = vec![Gram::new(basis.columns(), blocks.axes()); folds.count];
-        let mut row = SparseRow::new();
-        for (i, block) in blocks.blocks.iter().enumerate() {
-            basis.row(
-                block.log,
-                self.effective_c(i, kappa),
-                self.rates[i],
-                &mut row,
-            );
-            basis.push_states(states.iter().map(|state| state[i]), &mut row);
-            grams[folds.of_block[i]].push(&row, blocks.observations(i), block.weight);
-        }
-        grams
-    }
-}
 
 /// Sum over the axes of the logarithm of the mean squared residual: independent of the units, and
 /// the likelihood of axes with noise of their own.

@@ -3,15 +3,16 @@
 use tempco::TableError;
 use tempco_set::Term;
 
-use crate::joint::basis::{Basis, RateForm};
-use crate::joint::crossval::HeldOut;
-use crate::joint::earn::{Bounds, Kind, REFINEMENTS, best};
-use crate::joint::folds::Folds;
-use crate::joint::gram::Gram;
-use crate::joint::lag::{Lag, Regressors, Search};
-use crate::joint::layout::Layout;
-use crate::joint::select::{Choice, Question, Spline, Tried};
-use crate::joint::states::{Shape, block_states, sort};
+use crate::least_squares::{Basis, Gram, RateForm};
+use crate::spline::breakpoints::Layout;
+use crate::spline::candidate::{Choice, Spline, Tried};
+use crate::spline::cross_validation::HeldOut;
+use crate::spline::folds::Folds;
+use crate::spline::history_search::{Bounds, Kind, REFINEMENTS, best};
+use crate::spline::history_terms::{Shape, block_states, sort};
+use crate::spline::lag_search::Search;
+use crate::spline::model_selection::Question;
+use crate::spline::regressors::{Lag, Regressors};
 
 /// States take ramps of this many rates. With one, what does not depend on the rate cannot be told
 /// from what does, nor one lag from another.

@@ -1,5 +1,5 @@
 //! Normal equations of sparse rows, which add and subtract: what the search among models is made
-//! of. The final coefficients come from [`RFactor`](crate::rfactor::RFactor) instead.
+//! of. The final coefficients come from [`RFactor`](crate::least_squares::RFactor) instead.
 
 use nalgebra::{DMatrix, DVector};
 

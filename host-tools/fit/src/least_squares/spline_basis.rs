@@ -3,7 +3,12 @@
 
 use tempco_set::{Polynomial, Segment};
 
-use crate::joint::select::AxisTerms;
+/// The terms that an axis has beside its static part.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct AxisTerms {
+    pub(crate) rate: bool,
+    pub(crate) states: bool,
+}
 
 /// How the bias per rate depends on the effective temperature.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -6,9 +6,9 @@
 
 use tempco_set::Term;
 
-use crate::joint::gram::Gram;
-use crate::joint::lag::log_likelihood;
-use crate::joint::states::Shape;
+use crate::least_squares::Gram;
+use crate::spline::history_terms::Shape;
+use crate::spline::lag_search::log_likelihood;
 
 /// The narrowest play \[degC\].
 const LEAST_WIDTH_C: f64 = 0.2;

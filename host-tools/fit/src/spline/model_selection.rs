@@ -3,15 +3,15 @@
 use tempco::{TableError, ThermalSettings};
 use tempco_set::{Candidate, HeldOutErrors, Model, Overlap, Place, Segmentation, Selection};
 
-use crate::joint::basis::{Basis, RateForm, SparseRow};
-use crate::joint::blocks::Blocks;
-use crate::joint::crossval::HeldOut;
-use crate::joint::folds::{Folds, LEAST_FOLDS};
-use crate::joint::lag::{FixedLag, Lag, Regressors, Search};
-use crate::joint::layout::{Layout, MOST_SEGMENTS};
-use crate::joint::states::{Shape, block_states};
-use crate::rfactor::RFactor;
+use crate::least_squares::{AxisTerms, Basis, Blocks, RFactor, RateForm, SparseRow};
 use crate::segments::solve::{LEAST_SHARE, SENSOR_NOISE_C};
+use crate::spline::breakpoints::{Layout, MOST_SEGMENTS};
+use crate::spline::candidate::{Choice, Chosen, Spline, Tried};
+use crate::spline::cross_validation::HeldOut;
+use crate::spline::folds::{Folds, LEAST_FOLDS};
+use crate::spline::history_terms::{Shape, block_states};
+use crate::spline::lag_search::Search;
+use crate::spline::regressors::{FixedLag, Lag, Regressors};
 use crate::summary::ChannelData;
 
 /// Segments of the basis with which the lag is searched.
@@ -19,43 +19,6 @@ const SEARCH_SEGMENTS: usize = 8;
 
 /// The narrowest segment that is tried \[degC\].
 const LEAST_WIDTH_C: f64 = 4.0;
-
-/// The model that was fitted.
-pub(crate) enum Chosen {
-    /// One of the paper's.
-    Model(Model),
-    /// Another one, with its errors.
-    HeldOut(HeldOut),
-}
-
-/// What is to be fitted in the end.
-#[derive(Clone, Debug)]
-pub(crate) enum Choice {
-    Segments {
-        model: Model,
-        segmentation: Segmentation,
-    },
-    Spline(Spline),
-}
-
-/// A spline model, all but its coefficients.
-#[derive(Clone, Debug)]
-pub(crate) struct Spline {
-    pub(crate) layout: Layout,
-    pub(crate) rate: RateForm,
-    pub(crate) lag: Lag,
-    /// Earned states.
-    pub(crate) shape: Shape,
-    /// For each axis, what helps it.
-    pub(crate) axes: Vec<AxisTerms>,
-}
-
-/// The terms that an axis has beside its static part.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct AxisTerms {
-    pub(crate) rate: bool,
-    pub(crate) states: bool,
-}
 
 /// What may be chosen from.
 pub(crate) struct Question<'a> {
@@ -69,13 +32,6 @@ pub(crate) struct Question<'a> {
     pub(crate) all_models: bool,
     /// Whether states may be earned.
     pub(crate) states: bool,
-}
-
-#[derive(Clone)]
-pub(super) struct Tried {
-    pub(super) candidate: Candidate,
-    pub(super) held_out: HeldOut,
-    pub(super) choice: Choice,
 }
 
 impl Question<'_> {

@@ -3,8 +3,7 @@
 use tempco::{TableError, Thermal, ThermalPoint, ThermalSettings};
 use tempco_set::run::{is_usable, with_every_rate};
 
-use crate::summary::ChannelData;
-use crate::summary::SamplePoint;
+use crate::summary::{ChannelData, SamplePoint};
 
 /// Block means of a channel. Constants per log and axis are taken out, so that sums of squares
 /// keep their digits.

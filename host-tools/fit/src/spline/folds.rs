@@ -1,6 +1,6 @@
 //! What is left out together: whole soaks and ramps.
 
-use crate::joint::blocks::Blocks;
+use crate::least_squares::Blocks;
 
 /// Rates below this are a soak, whatever the sensor's noise makes of them \[degC/min\].
 const SOAK_C_PER_MIN: f64 = 0.1;

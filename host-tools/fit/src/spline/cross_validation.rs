@@ -2,12 +2,10 @@
 
 use tempco_set::{AxisModel, Overlap, Polynomial, Segmentation};
 
-use crate::joint::basis::{Basis, RateForm};
-use crate::joint::blocks::Blocks;
-use crate::joint::folds::Folds;
-use crate::joint::gram::Gram;
-use crate::joint::lag::Regressors;
+use crate::least_squares::{Basis, Blocks, Gram, RateForm};
 use crate::segments::solve::SegmentRows;
+use crate::spline::folds::Folds;
+use crate::spline::regressors::Regressors;
 
 /// Sums of squared errors of held-out blocks, by axis and fold.
 #[derive(Clone, Debug, PartialEq)]

@@ -2,8 +2,7 @@
 //!
 //! `tests/spline/reference.py` wrote `tests/spline/reference.csv`.
 
-use crate::joint::basis::{Basis, RateForm, SparseRow};
-use crate::rfactor::RFactor;
+use crate::least_squares::{Basis, RFactor, RateForm, SparseRow};
 
 /// Largest relative deviation.
 const ALLOWED: f64 = 1e-9;

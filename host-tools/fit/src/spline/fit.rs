@@ -8,13 +8,13 @@ use tempco_set::{
 
 use crate::channel_fit::ChannelFit;
 use crate::error::FitError;
-use crate::joint::basis::RateForm;
-use crate::joint::blocks::{Blocks, SamplePoints};
-use crate::joint::covariance::of_combinations;
-use crate::joint::select::Spline;
-use crate::joint::solve::{AxisSolution, Rows, solve_axes};
-use crate::joint::states::sample_states;
+use crate::least_squares::{Blocks, RateForm, SamplePoints};
 use crate::segments::solve::{LEAST_SPAN, Place, SegmentRows, Unfit};
+use crate::spline::candidate::Spline;
+use crate::spline::covariance::of_combinations;
+use crate::spline::history_terms::sample_states;
+use crate::spline::rows::Rows;
+use crate::spline::solve::{AxisSolution, solve_axes};
 use crate::summary::ChannelData;
 
 /// Fits a spline model with the settings' thermal path at its lag; an axis without its rate terms

@@ -14,8 +14,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::joint::blocks::Blocks;
-use crate::joint::solve::Rows;
+use crate::least_squares::Blocks;
+use crate::spline::rows::Rows;
 
 /// Stretches whose means tell the walk: at least this many, and twice as many as coefficients.
 const STRETCHES: usize = 40;

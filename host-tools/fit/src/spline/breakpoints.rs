@@ -2,7 +2,7 @@
 
 use tempco_set::{Place, Segmentation};
 
-use crate::joint::basis::{Basis, RateForm};
+use crate::least_squares::{Basis, RateForm};
 
 /// The most segments that are tried.
 pub(crate) const MOST_SEGMENTS: usize = 12;

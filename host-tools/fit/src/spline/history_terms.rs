@@ -7,8 +7,8 @@
 use tempco::{History, HistoryState, Interval, Play, SlowPart, Thermal, ThermalSettings};
 use tempco_set::Term;
 
-use crate::joint::blocks::{Blocks, SamplePoints};
-use crate::joint::lag::Regressors;
+use crate::least_squares::{Blocks, SamplePoints};
+use crate::spline::regressors::Regressors;
 
 /// No lag is limited while fitting \[degC\].
 const NO_LIMIT_C: f32 = 1e3;
