@@ -2,7 +2,7 @@
 //!
 //! Host and targets run this very code. Equal hashes say that no bit of any output differed; the
 //! hash is taken after each million samples, so a difference is found to within a million. Before
-//! the first million comes a short run on subnormal numbers, with a hash of its own: a processor
+//! the first sample comes a short run on subnormal numbers, with a hash of its own: a processor
 //! that flushes them to zero shows there.
 
 mod samples;
@@ -11,6 +11,8 @@ use tempco::{Compensator, Interval, Output, Table, TwoRateCompensator};
 
 use samples::{Sample, Samples};
 
+/// Samples between two hashes.
+const MILLION: u32 = 1_000_000;
 /// Samples of the run on subnormal numbers.
 const SUBNORMAL_SAMPLES: u32 = 10_000;
 /// Gyro samples per thermal update of the two-rate pair.
@@ -18,14 +20,14 @@ const SAMPLES_PER_UPDATE: u16 = 8;
 /// One sample in so many is for the tables with terms of the thermal history.
 const HISTORY_SHARE: u32 = 8;
 
-/// Steps `millions` of samples through the single-call and the two-rate compensators of all
-/// `tables`, and an eighth as many through those of `histories`. Calls `report` with 0 and the
-/// hashes of the subnormal run, then with the number of each million and the hashes of all samples
-/// up to it.
+/// Steps so many samples through the single-call and the two-rate compensators of all `tables`, and
+/// an eighth as many through those of `histories`. Calls `report` with 0 and the hashes of the
+/// subnormal run, then after each million and at the end with the samples so far and the hashes of
+/// them all.
 pub fn run<const C: usize, const H: usize, const A: usize, const P: usize, const S: usize>(
     tables: &[Table<'_, A>; C],
     histories: &[Table<'_, A, P, S>; H],
-    millions: u32,
+    samples: u32,
     mut report: impl FnMut(u32, u64, u64),
 ) {
     let mut golden = Golden::new(tables);
@@ -35,10 +37,13 @@ pub fn run<const C: usize, const H: usize, const A: usize, const P: usize, const
     report(0, golden.hash(), history.hash());
     golden = Golden::new(tables);
     history = Golden::new(histories);
-    for million in 1..=millions {
-        golden.steps(1_000_000, Samples::hostile);
-        history.steps(1_000_000 / HISTORY_SHARE, Samples::hostile);
-        report(million, golden.hash(), history.hash());
+    let mut done = 0;
+    while done < samples {
+        let count = (samples - done).min(MILLION);
+        golden.steps(count, Samples::hostile);
+        history.steps(count / HISTORY_SHARE, Samples::hostile);
+        done += count;
+        report(done, golden.hash(), history.hash());
     }
 }
 
@@ -157,6 +162,27 @@ impl Fnv {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// The samples lead everywhere: every flag is raised, and the temperature is not just lost.
+    #[test]
+    fn the_samples_raise_every_flag() {
+        use tempco::{Status, Validity};
+        let table = &crate::table::TABLES[0];
+        let mut unit = Compensator::new(table);
+        let mut samples = Samples::new();
+        let (mut seen, mut usable) = (Status::OK, 0);
+        for _ in 0..120_000 {
+            let sample = samples.hostile();
+            let interval = Interval::new(table.thermal(), sample.dt_s);
+            let status = unit.step(&interval, sample.temp_c, sample.raw).status;
+            seen |= status;
+            usable += u32::from(status.validity() != Validity::Invalid);
+        }
+        for (flag, name) in Status::NAMES {
+            assert!(seen.contains(flag), "{name} is never raised");
+        }
+        assert!(usable > 20_000, "{usable} usable samples");
+    }
 
     /// The published test vector of the hash for `foobar`, of which a word is four bytes.
     #[test]

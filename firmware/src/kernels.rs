@@ -3,7 +3,7 @@
 //! All have one signature, so that an empty function of that signature measures exactly what the
 //! measuring itself costs: the call, the arguments and the loop around them.
 
-use tempco::{Compensator, Interval, Output, Table, TwoRateCompensator};
+use tempco::{Compensator, Interval, Output, PulseCarry, Table, TwoRateCompensator};
 
 #[cfg(not(feature = "link-guard"))]
 use crate::baselines::Baselines;
@@ -27,6 +27,10 @@ pub struct Units<'t, const A: usize> {
     pub baselines: Baselines<A>,
     /// Where [`interval`] puts its result.
     pub interval: Interval,
+    /// The carry of [`pulses`], and where that puts its result.
+    pub carry: PulseCarry,
+    /// See [`carry`](Self::carry).
+    pub pulses: i32,
     table: &'t Table<'t, A>,
 }
 
@@ -92,6 +96,8 @@ impl<'t, const A: usize> Units<'t, A> {
             #[cfg(not(feature = "link-guard"))]
             baselines: Baselines::new(table),
             interval: Interval::new(table.thermal(), 0.0),
+            carry: PulseCarry::new(),
+            pulses: 0,
             table,
         }
     }
@@ -184,6 +190,12 @@ pub fn compensate<const A: usize>(
 #[inline(never)]
 pub fn interval<const A: usize>(units: &mut Units<'_, A>, inputs: &Inputs<A>, _: &mut Output<A>) {
     units.interval = Interval::new(units.table.thermal(), inputs.dt_s);
+}
+
+/// [`PulseCarry::pulses`] of one axis.
+#[inline(never)]
+pub fn pulses<const A: usize>(units: &mut Units<'_, A>, inputs: &Inputs<A>, _: &mut Output<A>) {
+    units.pulses = units.carry.pulses(inputs.raw[0]);
 }
 
 /// Measured functions of the baselines, of the names of their fields.

@@ -5,7 +5,6 @@
 //! - [`board`]: what differs between boards
 //! - [`baselines`]: what is usually done instead
 //! - [`golden`]: samples and a hash of what becomes of them, to compare host and targets
-//! - [`fixed`]: what the images of the integer core share with the host
 //! - [`history`]: the same table with terms of the thermal history
 //! - [`kernels`]: the functions whose instructions the `bench` image counts
 //! - `measure`: counts instructions in QEMU; only on a target
@@ -27,8 +26,6 @@ pub mod app;
 #[cfg(not(feature = "link-guard"))]
 pub mod baselines;
 pub mod board;
-pub mod fixed;
-pub mod fixed_kernels;
 pub mod golden;
 #[cfg(all(target_os = "none", feature = "link-guard"))]
 pub mod guard;

@@ -6,11 +6,7 @@ use std::process::Command;
 use tempco_tests::{example_path, root};
 
 /// Packages whose examples are a way of use, with the least number of them.
-const PACKAGES: [(&str, usize); 3] = [
-    ("crates/tempco", 3),
-    ("crates/tempco-fixed", 1),
-    ("host-tools/fit", 1),
-];
+const PACKAGES: [(&str, usize); 2] = [("crates/tempco", 3), ("host-tools/fit", 1)];
 
 #[test]
 fn every_example_runs() {

@@ -32,7 +32,7 @@
 //! `gain (u - c)` with a contact `c` that `u` drags along ([`Play`]), and each second lag adds
 //! `gain (u - S)` with a slow part at `S` ([`SlowPart`]).
 //! Configuration ([`Table`]) is immutable and can live in flash; all state is in the
-//! [`Compensator`].
+//! [`Compensator`]. A gyro that puts out pulses takes its bias in whole ones: [`PulseCarry`].
 //!
 //! # Example
 //!
@@ -74,6 +74,7 @@ mod conditioner;
 mod estimator;
 mod history;
 mod interval;
+mod pulses;
 mod sign;
 mod status;
 mod table;
@@ -86,6 +87,7 @@ extern crate std;
 pub use compensator::{Compensator, Output};
 pub use history::{History, HistoryPoint, HistoryState, Play, SlowPart};
 pub use interval::Interval;
+pub use pulses::PulseCarry;
 pub use status::{Status, Validity};
 pub use table::{MAX_CELLS, Place, Table, TableError, Terms};
 pub use thermal::{Thermal, ThermalPoint, ThermalSettings, ThermalState};

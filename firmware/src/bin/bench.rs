@@ -38,7 +38,7 @@ mod image {
         f32::MIN_POSITIVE,
     ];
 
-    const KERNELS: [(&str, Kernel<'static, AXES>); 12] = [
+    const KERNELS: [(&str, Kernel<'static, AXES>); 13] = [
         ("step", kernels::step),
         ("update", kernels::update),
         ("step_play", kernels::step_play),
@@ -47,6 +47,7 @@ mod image {
         ("update_history", kernels::update_history),
         ("compensate", kernels::compensate),
         ("interval", kernels::interval),
+        ("pulses", kernels::pulses),
         ("cubic_baseline", kernels::cubic),
         ("lookup_14_baseline", kernels::lookup_14),
         ("composite_f32_baseline", kernels::composite_f32),

@@ -1,21 +1,21 @@
-//! Image and program `golden MILLIONS`: hashes of what the core makes of so many million samples.
+//! Image and program `golden SAMPLES`: hashes of what the core makes of so many samples.
 //!
-//! A line is `golden MILLION HASH HASH`, 0 being the run on subnormal numbers, the second hash that
-//! of the table with terms of the thermal history. This is the one image
-//! that does the same on the host, so that both can be compared.
+//! A line is `golden SAMPLES HASH HASH`, after each million and at the end; 0 is the run on
+//! subnormal numbers. The second hash is of the table with terms of the thermal history. This is the
+//! one image that does the same on the host, so that both can be compared.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 use tempco_firmware::{golden, history::HISTORY, table::TABLES};
 
 #[cfg(not(target_os = "none"))]
 fn main() -> std::process::ExitCode {
-    let millions = std::env::args().nth(1).and_then(|word| word.parse().ok());
-    let Some(millions) = millions else {
-        eprintln!("usage: golden MILLIONS");
+    let samples = std::env::args().nth(1).and_then(|word| word.parse().ok());
+    let Some(samples) = samples else {
+        eprintln!("usage: golden SAMPLES");
         return std::process::ExitCode::from(2);
     };
-    golden::run(&TABLES, &HISTORY, millions, |million, hash, history| {
-        println!("golden {million} {hash:016x} {history:016x}");
+    golden::run(&TABLES, &HISTORY, samples, |done, hash, history| {
+        println!("golden {done} {hash:016x} {history:016x}");
     });
     std::process::ExitCode::SUCCESS
 }
@@ -27,17 +27,12 @@ fn main() -> ! {
 
     banner("golden");
     let arguments = arguments::<1>();
-    let Some(millions) = arguments.and_then(|[word]| word.parse().ok()) else {
-        defmt::error!("usage: golden MILLIONS");
+    let Some(samples) = arguments.and_then(|[word]| word.parse().ok()) else {
+        defmt::error!("usage: golden SAMPLES");
         exit(false)
     };
-    golden::run(&TABLES, &HISTORY, millions, |million, hash, history| {
-        defmt::println!(
-            "golden {=u32} {=u64:016x} {=u64:016x}",
-            million,
-            hash,
-            history
-        );
+    golden::run(&TABLES, &HISTORY, samples, |done, hash, history| {
+        defmt::println!("golden {=u32} {=u64:016x} {=u64:016x}", done, hash, history);
     });
     exit(true)
 }

@@ -77,6 +77,7 @@ mod image {
             kernels::update_history(black_box(&mut units), black_box(&inputs), &mut output);
             kernels::compensate(black_box(&mut units), black_box(&inputs), &mut output);
             kernels::interval(black_box(&mut units), black_box(&inputs), &mut output);
+            kernels::pulses(black_box(&mut units), black_box(&inputs), &mut output);
             black_box(&output);
             let state = units.single.thermal_state();
             black_box((state.rejected(), state.restarts()));

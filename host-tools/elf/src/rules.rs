@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::{CallGraph, Error, Image, Kernel, Lines, Site, forbidden_symbols, is_failure_path};
 
 /// The functions that run for every sample.
-pub const KERNELS: [&str; 8] = [
+pub const KERNELS: [&str; 9] = [
     "kernels::step",
     "kernels::update",
     "kernels::step_play",
@@ -14,6 +14,7 @@ pub const KERNELS: [&str; 8] = [
     "kernels::update_history",
     "kernels::compensate",
     "kernels::interval",
+    "kernels::pulses",
 ];
 
 /// A kernel with what was found in it.

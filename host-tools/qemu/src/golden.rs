@@ -26,10 +26,13 @@ pub const HOST_BUILDS: [(&str, Profile, Variant); 3] = [
     ),
 ];
 
-/// The boards to compare: one of each processor.
+/// The boards to compare: one of each processor with floating point.
 pub const BOARDS: [Board; 3] = [Board::Mps2An386, Board::Mps2An500, Board::Mps2An505];
 
-/// The hashes of so many million samples on this machine, a line each, as of `golden MILLIONS`.
+/// Boards whose processors have no floating point: soft float takes some fifty times as long.
+pub const SOFT_FLOAT_BOARDS: [Board; 2] = [Board::Mps2An385, Board::Microbit];
+
+/// The hashes of so many samples on this machine, a line each, as of `golden SAMPLES`.
 ///
 /// # Errors
 /// The program does not build or does not run.
@@ -37,25 +40,28 @@ pub fn on_host(
     workspace: &Workspace,
     profile: Profile,
     variant: &Variant,
-    millions: u32,
+    samples: u32,
 ) -> Result<Vec<String>, Error> {
     let program = build_host(workspace, "golden", profile, variant)?;
-    let output = checked(Command::new(program).arg(millions.to_string()))?;
+    let output = checked(Command::new(program).arg(samples.to_string()))?;
     let text = String::from_utf8_lossy(&output.stdout);
     Ok(text.lines().map(str::to_owned).collect())
 }
+
+/// The longest that a sample may take in QEMU, in soft float on a busy machine.
+const TIME_PER_SAMPLE: Duration = Duration::from_micros(300);
 
 /// The same on a board's machine in QEMU.
 ///
 /// # Errors
 /// The image does not build or does not run to its end.
-pub fn on_target(workspace: &Workspace, board: Board, millions: u32) -> Result<Vec<String>, Error> {
+pub fn on_target(workspace: &Workspace, board: Board, samples: u32) -> Result<Vec<String>, Error> {
     let image = build(workspace, board, "golden", None)?;
     let options = Options {
-        time_limit: Duration::from_secs(60 + 60 * u64::from(millions)),
+        time_limit: Duration::from_secs(60) + TIME_PER_SAMPLE * samples,
         ..Options::default()
     };
-    let run = run(&image, board, &[&millions.to_string()], &options)?;
+    let run = run(&image, board, &[&samples.to_string()], &options)?;
     if !run.succeeded() {
         let reason = format!("it ended with {} and logged {:?}", run.exit_code, run.log);
         return Err(Error::image(&image, reason));

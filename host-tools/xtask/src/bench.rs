@@ -1,7 +1,6 @@
 //! The performance figures: exact on the target, indicative on the host.
 
 mod cycles_m7;
-mod fixed;
 mod host;
 mod peers;
 mod watch;
@@ -41,7 +40,6 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     let mut result = Map::new();
     if args.only != Some(Side::Host) {
         result.insert("target".to_owned(), target(&workspace)?);
-        result.insert("fixed".to_owned(), fixed::figures(&workspace)?);
     }
     if args.only != Some(Side::Target) {
         result.insert("host".to_owned(), host::figures(&workspace, args.rows)?);

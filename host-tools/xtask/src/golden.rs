@@ -3,51 +3,58 @@
 use std::time::Instant;
 
 use anyhow::{Context, Result, ensure};
-use tempco_qemu::golden::{BOARDS, HOST_BUILDS, bless, check, on_host, on_target};
+use tempco_qemu::golden::{
+    BOARDS, HOST_BUILDS, SOFT_FLOAT_BOARDS, bless, check, on_host, on_target,
+};
 use tempco_qemu::{Workspace, ensure_qemu, ensure_target_of};
 
 /// Set to 1, the committed hashes become those of the host's dev build.
 const BLESS: &str = "TEMPCO_BLESS";
 
+const MILLION: u32 = 1_000_000;
+
 #[derive(clap::Args)]
 pub(crate) struct Args {
     /// Millions of samples
-    #[arg(long, default_value_t = 10)]
+    #[arg(long, default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=4000))]
     millions: u32,
+    /// Millions of samples in soft float, which takes some fifty times as long
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=4000))]
+    soft_float_millions: u32,
 }
 
 pub(crate) fn run(args: &Args) -> Result<()> {
     let workspace = Workspace::find()?;
     ensure_qemu(&workspace)?;
-    for board in BOARDS {
+    for board in BOARDS.into_iter().chain(SOFT_FLOAT_BOARDS) {
         ensure_target_of(&workspace, board)?;
     }
+    println!("the hash is of all output bits");
     println!(
-        "{} million samples each; the hash is of all output bits",
-        args.millions
+        "{:32} {:>8} {:>18} {:>8}  equal",
+        "on", "millions", "hash", "time"
     );
-    println!("{:32} {:>18} {:>8}  equal", "on", "hash", "time");
     let mut blesses = std::env::var_os(BLESS).is_some_and(|value| value == "1");
-    let mut differ = 0;
+    let (mut compared, mut differ) = (0, 0);
     for (name, profile, variant) in HOST_BUILDS {
         let start = Instant::now();
-        let lines = on_host(&workspace, profile, &variant, args.millions)?;
+        let lines = on_host(&workspace, profile, &variant, args.millions * MILLION)?;
         if std::mem::take(&mut blesses) {
             bless(&workspace, &lines)?;
         }
+        compared += 1;
         differ += show(&workspace, name, &lines, start, args.millions)?;
     }
-    for board in BOARDS {
+    let in_hardware = BOARDS.map(|board| (board, args.millions));
+    let in_software = SOFT_FLOAT_BOARDS.map(|board| (board, args.soft_float_millions));
+    for (board, millions) in in_hardware.into_iter().chain(in_software) {
         let start = Instant::now();
-        let lines = on_target(&workspace, board, args.millions)?;
+        let lines = on_target(&workspace, board, millions * MILLION)?;
         let name = format!("{board} ({}), QEMU", board.cpu());
-        differ += show(&workspace, &name, &lines, start, args.millions)?;
+        compared += 1;
+        differ += show(&workspace, &name, &lines, start, millions)?;
     }
-    ensure!(
-        differ == 0,
-        "{differ} of {} differ",
-        HOST_BUILDS.len() + BOARDS.len()
-    );
+    ensure!(differ == 0, "{differ} of {compared} differ");
     println!("all equal, bit for bit");
     Ok(())
 }
@@ -70,9 +77,11 @@ fn show(
     let difference = check(workspace, lines)?;
     let seconds = start.elapsed().as_secs_f64();
     match &difference {
-        None => println!("{name:32} {hash:>18} {seconds:>6.1} s  yes"),
+        None => println!("{name:32} {millions:>8} {hash:>18} {seconds:>6.1} s  yes"),
         Some([made, expected]) => {
-            println!("{name:32} {hash:>18} {seconds:>6.1} s  NO: `{made}`, not `{expected}`");
+            println!(
+                "{name:32} {millions:>8} {hash:>18} {seconds:>6.1} s  NO: `{made}`, not `{expected}`"
+            );
         }
     }
     Ok(u32::from(difference.is_some()))

@@ -7,7 +7,7 @@ mod table;
 
 use tempco::{Compensator, Interval, Output, Status, Table, Terms};
 
-pub(crate) use table::{F32_TABLE as TABLE, *};
+pub(crate) use table::*;
 
 pub(crate) const SECOND: Interval = Interval::new(&THERMAL, 1.0);
 /// What the effective temperature may move in one second by the default settings \[degC\].
@@ -98,4 +98,21 @@ pub(crate) fn bits(out: &Output<2>) -> [u32; 6] {
     let [b0, b1] = out.bias;
     let point = out.point;
     [c0, c1, b0, b1, point.effective_c, point.rate_c_per_min].map(f32::to_bits)
+}
+
+/// Numbers without a pattern, the same on every run (xorshift64*).
+pub(crate) struct Noise(pub(crate) u64);
+
+impl Noise {
+    pub(crate) fn bits(&mut self) -> u32 {
+        self.0 ^= self.0 >> 12;
+        self.0 ^= self.0 << 25;
+        self.0 ^= self.0 >> 27;
+        (self.0.wrapping_mul(0x2545_f491_4f6c_dd1d) >> 32) as u32
+    }
+
+    /// Evenly from `low` to `high`.
+    pub(crate) fn between(&mut self, low: f32, high: f32) -> f32 {
+        low + (high - low) * (self.bits() as f32 / u32::MAX as f32)
+    }
 }

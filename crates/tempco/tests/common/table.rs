@@ -1,4 +1,4 @@
-//! The table of the tests, which the integer core's tests take as well, and the settings behind it.
+//! The table of the tests, and the settings behind it.
 
 use tempco::{Table, Terms, Thermal, ThermalSettings};
 
@@ -19,7 +19,7 @@ const EDGES: [f32; COUNT + 1] = [
 ];
 pub(crate) static CELLS: [[Terms; 2]; COUNT] = cells();
 /// Two axes, 12 cells over -40..80 degC, continuous in temperature at every rate.
-pub(crate) static F32_TABLE: Table<'static, 2> = table(THERMAL);
+pub(crate) static TABLE: Table<'static, 2> = table(THERMAL);
 
 pub(crate) const fn thermal(settings: ThermalSettings) -> Thermal {
     match Thermal::new(settings) {
