@@ -2,9 +2,8 @@
 
 use core::hint::select_unpredictable;
 
-use crate::interval::Interval;
 use crate::sign::Sign;
-use crate::thermal::Thermal;
+use crate::{Interval, Thermal};
 
 /// A first-order low-pass filter.
 ///

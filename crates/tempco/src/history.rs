@@ -11,11 +11,11 @@
 
 use core::hint::select_unpredictable;
 
-use crate::Interval;
+use crate::error::{MAX_COEFFICIENT, is_within};
 use crate::estimator::Filter;
 use crate::interval::slower_alpha;
 use crate::sign::{limit, magnitude};
-use crate::table::{MAX_COEFFICIENT, TableError, is_within};
+use crate::{Interval, TableError};
 
 /// A hysteresis term: the effective temperature drags a contact along, as through a slot.
 ///

@@ -2,12 +2,9 @@
 
 use core::hint::select_unpredictable;
 
+use crate::settings::TICKS_PER_S;
 use crate::sign::magnitude;
 use crate::{Status, Thermal};
-
-/// Resolution of the core's timers: 10 us, and 5.9 h at most. Integers, because a sum of many
-/// short times in f32 stands still when they fall below its last place.
-pub(crate) const TICKS_PER_S: f32 = 1e5;
 
 /// A temperature near 150 degC has a last place of 1.5e-5 degC; a smaller step would vanish.
 const LEAST_SLEW_C: f32 = 2e-5;

@@ -71,10 +71,12 @@
 
 mod compensator;
 mod conditioner;
+mod error;
 mod estimator;
 mod history;
 mod interval;
 mod pulses;
+mod settings;
 mod sign;
 mod status;
 mod table;
@@ -85,10 +87,12 @@ mod two_rate;
 extern crate std;
 
 pub use compensator::{Compensator, Output};
+pub use error::TableError;
 pub use history::{History, HistoryPoint, HistoryState, Play, SlowPart};
 pub use interval::Interval;
 pub use pulses::PulseCarry;
+pub use settings::{Thermal, ThermalSettings};
 pub use status::{Status, Validity};
-pub use table::{MAX_CELLS, Place, Table, TableError, Terms};
-pub use thermal::{Thermal, ThermalPoint, ThermalSettings, ThermalState};
+pub use table::{MAX_CELLS, Place, Table, Terms};
+pub use thermal::{ThermalPoint, ThermalState};
 pub use two_rate::TwoRateCompensator;

@@ -1,17 +1,12 @@
 //! The coefficient table: the bias model as cells of equal width over the calibrated range.
 
-use core::fmt;
-
+use crate::error::{MAX_COEFFICIENT, is_within};
 use crate::history::{History, Play, SlowPart};
 use crate::thermal::clamp;
-use crate::{Status, Thermal, ThermalPoint};
+use crate::{Status, TableError, Thermal, ThermalPoint};
 
 /// The most cells a table can have.
 pub const MAX_CELLS: usize = 1024;
-
-/// Largest magnitude of a coefficient \[unit of the axis\]. With the bounds on rates it keeps
-/// every intermediate result finite in f32.
-pub(crate) const MAX_COEFFICIENT: f32 = 1e20;
 
 /// The coefficients of one axis in one cell, lowest power first.
 ///
@@ -260,54 +255,6 @@ impl<'a, const AXES: usize, const PLAYS: usize, const SLOW: usize> Table<'a, AXE
     }
 }
 
-/// Why a table or its settings were refused.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[non_exhaustive]
-pub enum TableError {
-    /// The named setting is not finite or outside its range.
-    Setting(&'static str),
-    /// There is no cell, or more than [`MAX_CELLS`].
-    CellCount,
-    /// A coefficient is not finite or its magnitude exceeds 1e20.
-    Coefficient {
-        /// Number of the cell, 0 for the coldest.
-        cell: usize,
-        /// Number of the axis.
-        axis: usize,
-    },
-}
-
-impl TableError {
-    /// The reason in words, also where nothing can be formatted (a const panic).
-    pub const fn message(self) -> &'static str {
-        match self {
-            Self::Setting(name) => name,
-            Self::CellCount => "a table needs 1 to 1024 cells",
-            Self::Coefficient { .. } => "a coefficient is not finite or beyond 1e20",
-        }
-    }
-}
-
-impl fmt::Display for TableError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Setting(name) => write!(f, "setting {name} is not finite or out of range"),
-            Self::CellCount => f.write_str(self.message()),
-            Self::Coefficient { cell, axis } => {
-                write!(f, "{} (cell {cell}, axis {axis})", self.message())
-            }
-        }
-    }
-}
-
-impl core::error::Error for TableError {}
-
-/// Whether `value` lies in `low..=high`; NaN does not.
-pub(crate) const fn is_within(value: f32, low: f32, high: f32) -> bool {
-    value >= low && value <= high
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -429,31 +376,6 @@ mod tests {
                     TableError::Coefficient { cell: 1, axis: 1 }
                 );
             }
-        }
-    }
-
-    #[test]
-    fn bad_settings_are_refused_by_name() {
-        macro_rules! refuse {
-            ($($name:ident: $($value:expr),+;)+) => {$($(
-                let settings = ThermalSettings { $name: $value, ..ThermalSettings::DEFAULT };
-                assert_eq!(Thermal::new(settings).unwrap_err(), TableError::Setting(stringify!($name)));
-                let settings = ThermalSettings { $name: f32::NAN, ..ThermalSettings::DEFAULT };
-                assert_eq!(Thermal::new(settings).unwrap_err(), TableError::Setting(stringify!($name)));
-            )+)+};
-        }
-        refuse! {
-            sensor_min_c: -300.0;
-            sensor_max_c: -61.0, f32::INFINITY;
-            spike_gate_c: 0.0;
-            max_slew_c_per_min: 0.0, -1.0;
-            hold_s: -1.0;
-            heal_s: -1.0;
-            tau_s: 0.0, f32::INFINITY;
-            kappa: -0.1, 2.1;
-            rate_min_c_per_min: 0.1;
-            rate_max_c_per_min: -0.1;
-            reference_c: -61.0, 151.0;
         }
     }
 }

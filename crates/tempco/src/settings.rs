@@ -1,0 +1,224 @@
+//! Settings of the thermal path, and what follows from them.
+
+use crate::TableError;
+use crate::error::is_within;
+use crate::sign::magnitude;
+
+/// Physical settings of the thermal path, as the fit used them and the firmware must.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(deny_unknown_fields)
+)]
+pub struct ThermalSettings {
+    /// Lowest temperature the sensor can report \[degC\]; below it the sensor is taken as broken.
+    pub sensor_min_c: f32,
+    /// Highest temperature the sensor can report \[degC\].
+    pub sensor_max_c: f32,
+    /// Largest believable jump between neighbouring temperatures beyond `max_slew_c_per_min`
+    /// \[degC\]: noise and quantisation of the sensor, generously. Also how far the effective
+    /// temperature may be from where it ramps to without [`Status::SETTLING`].
+    pub spike_gate_c: f32,
+    /// Fastest change the part can undergo \[degC/min\]. Bounds what is believed after a fault,
+    /// and the speed at which the effective temperature, and with it the bias, may move (but for
+    /// at least 2e-5 degC per update, which f32 can just represent).
+    pub max_slew_c_per_min: f32,
+    /// How long the last good temperature is held before it is given up \[s\], at most 20000.
+    pub hold_s: f32,
+    /// How long [`Status::SETTLING`] outlasts a rejected temperature \[s\], at most 20000; after
+    /// several in a row, longer by the time they took.
+    pub heal_s: f32,
+    /// Time constant of the rate estimator \[s\], 0.1 to 6000.
+    pub tau_s: f32,
+    /// Shift of the effective temperature along the sensor's lag, 0 to 2; 0 is the paper.
+    pub kappa: f32,
+    /// Lowest calibrated rate of temperature \[degC/min\], at most 0.
+    pub rate_min_c_per_min: f32,
+    /// Highest calibrated rate of temperature \[degC/min\], at least 0.
+    pub rate_max_c_per_min: f32,
+    /// The temperature whose bias is the constant bias, applied alone when the temperature is
+    /// lost \[degC\]; outside the table's range, the nearest end of it counts.
+    pub reference_c: f32,
+}
+
+impl ThermalSettings {
+    /// What the fit starts from: a sensor range of -60 to 150 degC, believable jumps of 2 degC
+    /// beyond 30 degC/min, 60 s of hold, a 60 s estimator without shift.
+    pub const DEFAULT: Self = Self {
+        sensor_min_c: -60.0,
+        sensor_max_c: 150.0,
+        spike_gate_c: 2.0,
+        max_slew_c_per_min: 30.0,
+        hold_s: 60.0,
+        heal_s: 10.0,
+        tau_s: 60.0,
+        kappa: 0.0,
+        rate_min_c_per_min: -30.0,
+        rate_max_c_per_min: 30.0,
+        reference_c: 25.0,
+    };
+}
+
+/// Conversions to and from arrays, of the settings in the order in which they are declared.
+macro_rules! in_order {
+    ($($name:ident),+ $(,)?) => {
+        impl ThermalSettings {
+            /// Names of the settings, in the order in which they are declared.
+            pub const NAMES: [&'static str; [$(stringify!($name)),+].len()] =
+                [$(stringify!($name)),+];
+
+            /// The settings in the order of [`NAMES`](Self::NAMES).
+            pub const fn to_array(&self) -> [f32; Self::NAMES.len()] {
+                [$(self.$name),+]
+            }
+
+            /// The inverse of [`to_array`](Self::to_array).
+            pub const fn from_array([$($name),+]: [f32; Self::NAMES.len()]) -> Self {
+                Self { $($name),+ }
+            }
+        }
+    };
+}
+
+in_order! {
+    sensor_min_c,
+    sensor_max_c,
+    spike_gate_c,
+    max_slew_c_per_min,
+    hold_s,
+    heal_s,
+    tau_s,
+    kappa,
+    rate_min_c_per_min,
+    rate_max_c_per_min,
+    reference_c,
+}
+
+/// Resolution of the core's timers: 10 us, and 5.9 h at most. Integers, because a sum of many
+/// short times in f32 stands still when they fall below its last place.
+pub(crate) const TICKS_PER_S: f32 = 1e5;
+
+/// The longest time that is counted, with room to add to it \[s\].
+const LONGEST_TIMER_S: f32 = 2e4;
+
+/// A rate since the start is not trusted with less than this \[s\].
+const LEAST_MEMORY_S: f32 = 60.0;
+
+const fn ticks(time_s: f32) -> i32 {
+    (time_s * TICKS_PER_S + 0.5) as i32
+}
+
+/// Checked [`ThermalSettings`] with what follows from them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Thermal {
+    pub(crate) settings: ThermalSettings,
+    /// The middle of the sensor's range \[degC\] and how far it reaches from there \[bits of degC\].
+    pub(crate) sensor_middle_c: f32,
+    pub(crate) sensor_reach: i32,
+    pub(crate) hold_ticks: i32,
+    /// After this long without a believed temperature the estimator begins anew.
+    pub(crate) restart_ticks: i32,
+    /// What is left of settling after a temperature was rejected, below zero \[ticks\].
+    pub(crate) healing: i32,
+    /// The same after a restart: three time constants, when the rate estimate is within 5 % of a
+    /// new ramp.
+    pub(crate) settling: i32,
+    pub(crate) slew_c_per_tick: f32,
+    pub(crate) per_tau_hz: f32,
+    /// Shift of the effective temperature per rate, `kappa tau` \[min\].
+    pub(crate) shift_min: f32,
+    /// The least share of the estimator's memory that it divides by, `60 s / tau`, at most 1.
+    pub(crate) least_memory: f32,
+}
+
+impl Thermal {
+    /// Checks the settings.
+    ///
+    /// # Errors
+    /// Names the first setting that is not finite or outside its range.
+    pub const fn new(settings: ThermalSettings) -> Result<Self, TableError> {
+        let s = &settings;
+        macro_rules! check {
+            ($name:ident, $low:expr, $high:expr) => {
+                if !is_within(s.$name, $low, $high) {
+                    return Err(TableError::Setting(stringify!($name)));
+                }
+            };
+        }
+        check!(sensor_min_c, -273.15, 1e3);
+        check!(sensor_max_c, s.sensor_min_c, 1e3);
+        check!(spike_gate_c, 1e-3, 1e3);
+        check!(max_slew_c_per_min, 1e-3, 1e4);
+        check!(hold_s, 0.0, LONGEST_TIMER_S);
+        check!(heal_s, 0.0, LONGEST_TIMER_S);
+        check!(tau_s, 0.1, 6e3);
+        check!(kappa, 0.0, 2.0);
+        check!(rate_min_c_per_min, -1e4, 0.0);
+        check!(rate_max_c_per_min, 0.0, 1e4);
+        check!(reference_c, s.sensor_min_c, s.sensor_max_c);
+        let sensor_middle_c = 0.5 * (s.sensor_min_c + s.sensor_max_c);
+        let below = magnitude(s.sensor_min_c - sensor_middle_c);
+        let above = magnitude(s.sensor_max_c - sensor_middle_c);
+        Ok(Self {
+            sensor_middle_c,
+            sensor_reach: if below > above { below } else { above },
+            hold_ticks: ticks(s.hold_s),
+            healing: ticks(s.heal_s).wrapping_neg(),
+            settling: ticks(3.0 * s.tau_s).wrapping_neg(),
+            restart_ticks: ticks(0.5 * s.tau_s),
+            slew_c_per_tick: s.max_slew_c_per_min / (60.0 * TICKS_PER_S),
+            per_tau_hz: 1.0 / s.tau_s,
+            shift_min: s.kappa * s.tau_s / 60.0,
+            least_memory: if s.tau_s > LEAST_MEMORY_S {
+                LEAST_MEMORY_S / s.tau_s
+            } else {
+                1.0
+            },
+            settings,
+        })
+    }
+
+    /// The settings this was made from.
+    pub const fn settings(&self) -> &ThermalSettings {
+        &self.settings
+    }
+
+    /// The longest time between two thermal updates \[s\]: half the time constant. A longer one
+    /// restarts the estimator.
+    pub const fn longest_interval_s(&self) -> f32 {
+        0.5 * self.settings.tau_s
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bad_settings_are_refused_by_name() {
+        macro_rules! refuse {
+            ($($name:ident: $($value:expr),+;)+) => {$($(
+                let settings = ThermalSettings { $name: $value, ..ThermalSettings::DEFAULT };
+                assert_eq!(Thermal::new(settings).unwrap_err(), TableError::Setting(stringify!($name)));
+                let settings = ThermalSettings { $name: f32::NAN, ..ThermalSettings::DEFAULT };
+                assert_eq!(Thermal::new(settings).unwrap_err(), TableError::Setting(stringify!($name)));
+            )+)+};
+        }
+        refuse! {
+            sensor_min_c: -300.0;
+            sensor_max_c: -61.0, f32::INFINITY;
+            spike_gate_c: 0.0;
+            max_slew_c_per_min: 0.0, -1.0;
+            hold_s: -1.0;
+            heal_s: -1.0;
+            tau_s: 0.0, f32::INFINITY;
+            kappa: -0.1, 2.1;
+            rate_min_c_per_min: 0.1;
+            rate_max_c_per_min: -0.1;
+            reference_c: -61.0, 151.0;
+        }
+    }
+}
