@@ -5,14 +5,14 @@ mod common;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use common::{Bench, SCHEDULE, image};
-use tempco::{Status, Validity};
+use tempco::{Status, Stream, Validity};
 use tempco_firmware::board::mps2_an386::nor::{Nor, REGIONS};
 use tempco_firmware::unit::devices::ResetCause;
 use tempco_firmware::unit::{AXES, CHANNELS, Next, SERIAL};
 use tempco_link::{
     Axes, Bank, Channels, Fault, FaultSet, Refusal, Request, Response, Sample, SampleBlock,
 };
-use tempco_replay::{Replay, Sample as ReplayedSample, Stream};
+use tempco_replay::{Replay, Sample as ReplayedSample};
 use tempco_sensors::SensorFault;
 use tempco_store::Offsets;
 
@@ -622,12 +622,7 @@ fn replays_are_those_of_the_host() {
                 let mut last = None;
                 for raw in &block {
                     let outcome = stream.sample(&[*raw]);
-                    bytes.extend(
-                        outcome.channels[0]
-                            .compensated
-                            .iter()
-                            .flat_map(|v| v.to_le_bytes()),
-                    );
+                    bytes.extend(outcome[0].compensated.iter().flat_map(|v| v.to_le_bytes()));
                     last = Some(outcome);
                 }
                 let raw: Vec<u8> = block
@@ -648,7 +643,7 @@ fn replays_are_those_of_the_host() {
                         panic!("{response:?}")
                     };
                     assert_eq!(found.compensated, bytes);
-                    assert_eq!(found.bias, last.unwrap().channels[0].bias);
+                    assert_eq!(found.bias, last.unwrap()[0].bias);
                 });
             }
         }

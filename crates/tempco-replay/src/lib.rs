@@ -2,8 +2,7 @@
 //!
 //! A log becomes a stream of fixed-length samples; the replay step turns each into an outcome of
 //! fixed length. Host and firmware run the same [`Replay`], so their outcome streams can be
-//! compared byte by byte. [`Stream`] is the same for units whose gyro is sampled faster than its
-//! temperature. This crate knows nothing of files or wires: it encodes into and decodes
+//! compared byte by byte. What a [`tempco::Stream`] puts out becomes an [`Outcome`] too. This crate knows nothing of files or wires: it encodes into and decodes
 //! from byte slices, without heap and without panics.
 //!
 //! # Format
@@ -54,9 +53,7 @@
 mod header;
 mod record;
 mod replay;
-mod stream;
 
 pub use header::{Header, HeaderError, Kind, VERSION};
 pub use record::{ChannelOutcome, Outcome, Record, RecordError, Sample, decode_all};
 pub use replay::{Replay, Summary};
-pub use stream::{Schedule, Stream};

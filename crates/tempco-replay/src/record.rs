@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use tempco::Status;
+use tempco::{Output, Status};
 
 /// A record of fixed length; the layouts are in the documentation of the crate.
 pub trait Record: Sized {
@@ -59,6 +59,38 @@ impl<const A: usize> ChannelOutcome<A> {
     /// The status as flags.
     pub const fn flags(&self) -> Status {
         Status::from_bits(self.status as u16)
+    }
+}
+
+impl<const A: usize> From<Output<A>> for ChannelOutcome<A> {
+    #[inline]
+    fn from(output: Output<A>) -> Self {
+        Self {
+            effective_c: output.point.effective_c,
+            rate_c_per_min: output.point.rate_c_per_min,
+            status: u32::from(output.status.bits()),
+            bias: output.bias,
+            compensated: output.compensated.map(canonical),
+        }
+    }
+}
+
+impl<const C: usize, const A: usize> From<[Output<A>; C]> for Outcome<C, A> {
+    #[inline]
+    fn from(channels: [Output<A>; C]) -> Self {
+        Self {
+            channels: channels.map(ChannelOutcome::from),
+        }
+    }
+}
+
+/// A NaN of an arithmetic operation differs in sign and payload between processors; here it is
+/// always the positive quiet one.
+fn canonical(value: f32) -> f32 {
+    if value.is_nan() {
+        f32::from_bits(0x7fc0_0000)
+    } else {
+        value
     }
 }
 

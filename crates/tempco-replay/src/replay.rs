@@ -2,7 +2,7 @@
 
 use tempco::{Compensator, Interval, Status, Table, Validity};
 
-use crate::{ChannelOutcome, Outcome, Sample};
+use crate::{Outcome, Sample};
 
 /// One compensator per temperature channel, fed with a log.
 ///
@@ -45,13 +45,7 @@ impl<'t, const C: usize, const A: usize, const PLAYS: usize, const SLOW: usize>
             }
             let output = unit.step(&interval, temp_c, sample.raw[channel]);
             seen |= output.status;
-            ChannelOutcome {
-                effective_c: output.point.effective_c,
-                rate_c_per_min: output.point.rate_c_per_min,
-                status: u32::from(output.status.bits()),
-                bias: output.bias,
-                compensated: output.compensated.map(canonical),
-            }
+            output.into()
         });
         self.samples = self.samples.saturating_add(1);
         let not_valid = u32::from(seen.validity() != Validity::Valid);
@@ -74,16 +68,6 @@ impl<'t, const C: usize, const A: usize, const PLAYS: usize, const SLOW: usize>
             restarts: total(|unit| unit.thermal_state().restarts()),
             seen: self.seen,
         }
-    }
-}
-
-/// A NaN of an arithmetic operation differs in sign and payload between processors; here it is
-/// always the positive quiet one.
-pub(crate) fn canonical(value: f32) -> f32 {
-    if value.is_nan() {
-        f32::from_bits(0x7fc0_0000)
-    } else {
-        value
     }
 }
 

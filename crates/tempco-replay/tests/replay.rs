@@ -1,10 +1,10 @@
-//! The replay step against the core it wraps.
+//! The replay step against the core it wraps, and what the core puts out as records.
 
 use tempco::{
-    Compensator, Interval, Status, Table, Terms, Thermal, ThermalSettings, TwoRateCompensator,
+    Compensator, Interval, Schedule, Status, Stream, Table, Terms, Thermal, ThermalSettings,
     Validity,
 };
-use tempco_replay::{Replay, Sample, Schedule, Stream};
+use tempco_replay::{Outcome, Replay, Sample};
 
 const CELLS: [[Terms; 2]; 2] = [[Terms {
     a: [1.0, 2.0, 0.5],
@@ -106,35 +106,26 @@ fn every_nan_comes_out_as_the_same_one() {
 }
 
 #[test]
-fn a_stream_is_a_two_rate_compensator_per_channel() {
-    let tables = [table(60.0), table(10.0)];
+fn what_a_stream_puts_out_becomes_an_outcome() {
+    let tables = [table(60.0); 2];
     let schedule = Schedule {
         sample_rate_hz: 2000.0,
         samples_per_update: 200,
     };
     let mut stream = Stream::new(&tables, &schedule);
-    let mut units = tables.each_ref().map(|t| TwoRateCompensator::new(t, 200));
-    for i in 0..2000_u16 {
-        if i % 200 == 100 {
-            let temp_c = 20.0 + f32::from(i) * 0.01;
-            for (unit, table) in units.iter_mut().zip(&tables) {
-                if i == 100 {
-                    unit.start(temp_c);
-                }
-                unit.update(&Interval::new(table.thermal(), 0.1), temp_c);
-            }
-            stream.temperatures(&[temp_c; 2]);
-        }
-        let raw = [[1.0, f32::NAN], [3.0, f32::from(i)]];
-        let outcome = stream.sample(&raw);
-        for channel in 0..2 {
-            let expected = units[channel].compensate(raw[channel]);
-            let got = outcome.channels[channel];
-            assert_eq!(got.bias, units[channel].bias());
-            assert_eq!(got.compensated[1].is_nan(), channel == 0);
-            assert_eq!(got.compensated[0], expected[0]);
-            assert_eq!(got.flags().contains(Status::RAW_INVALID), channel == 0);
-            assert_eq!(got.flags().contains(Status::TEMPERATURE_LOST), i < 100);
-        }
+    stream.temperatures(&[25.0, 40.0]);
+    let raw = [[f32::from_bits(0xffc0_0001), 2.0], [3.0, f32::INFINITY]];
+    let outputs = stream.sample(&raw);
+    let outcome = Outcome::from(outputs);
+    for (channel, output) in outcome.channels.iter().zip(&outputs) {
+        assert_eq!(channel.effective_c, output.point.effective_c);
+        assert_eq!(channel.rate_c_per_min, output.point.rate_c_per_min);
+        assert_eq!(channel.flags(), output.status);
+        assert!(channel.flags().contains(Status::RAW_INVALID));
+        assert_eq!(channel.bias, output.bias);
+        assert_eq!(channel.compensated[1], output.compensated[1]);
     }
+    let [first, second] = outcome.channels.map(|channel| channel.compensated[0]);
+    assert_eq!(first.to_bits(), 0x7fc0_0000);
+    assert_eq!(second, outputs[1].compensated[0]);
 }

@@ -32,7 +32,8 @@
 //! `gain (u - c)` with a contact `c` that `u` drags along ([`Play`]), and each second lag adds
 //! `gain (u - S)` with a slow part at `S` ([`SlowPart`]).
 //! Configuration ([`Table`]) is immutable and can live in flash; all state is in the
-//! [`Compensator`]. A gyro that puts out pulses takes its bias in whole ones: [`PulseCarry`].
+//! [`Compensator`]. A unit whose gyro is sampled faster than its temperature has a
+//! [`TwoRateCompensator`], or with several temperature sensors a [`Stream`] of them. A gyro that puts out pulses takes its bias in whole ones: [`PulseCarry`].
 //!
 //! # Example
 //!
@@ -69,6 +70,7 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+mod channels;
 mod compensator;
 mod conditioner;
 mod error;
@@ -86,6 +88,7 @@ mod two_rate;
 #[cfg(test)]
 extern crate std;
 
+pub use channels::{Schedule, Stream};
 pub use compensator::{Compensator, Output};
 pub use error::TableError;
 pub use history::{History, HistoryPoint, HistoryState, Play, SlowPart};

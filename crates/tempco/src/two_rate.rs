@@ -104,7 +104,7 @@ impl<'t, const AXES: usize, const PLAYS: usize, const SLOW: usize>
     /// [`Status::of_raw`].
     #[inline(always)]
     pub fn status(&self) -> Status {
-        let overdue = self.remaining < -self.samples_per_update;
+        let overdue = self.remaining < self.samples_per_update.wrapping_neg();
         self.status | Status::INTERVAL_INVALID.when(overdue)
     }
 

@@ -21,7 +21,8 @@ mod image {
     use core::hint::black_box;
 
     use tempco::{
-        Interval, Output, Status, Table, TableError, Terms, Thermal, ThermalPoint, ThermalSettings,
+        Interval, Output, Schedule, Status, Stream, Table, TableError, Terms, Thermal,
+        ThermalPoint, ThermalSettings,
     };
     use tempco_firmware::guard::report_and_exit;
     use tempco_firmware::history::{HISTORY, PLAY};
@@ -36,6 +37,7 @@ mod image {
     fn main() -> ! {
         compensators();
         replays();
+        streams();
         // What goes wrong is of no interest, only that it may.
         _ = black_box(tables());
         _ = black_box(records());
@@ -99,6 +101,20 @@ mod image {
             black_box(replay.step(black_box(&sample)));
         }
         black_box(replay.summary().worst());
+    }
+
+    #[inline(never)]
+    fn streams() {
+        let schedule = black_box(Schedule {
+            sample_rate_hz: 2000.0,
+            samples_per_update: 16,
+        });
+        let mut stream = Stream::new(black_box(&HISTORY), &schedule);
+        for _ in 0..ROUNDS {
+            stream.temperatures(black_box(&[25.0]));
+            black_box(stream.sample(black_box(&[[0.5; AXES]])));
+        }
+        black_box((stream.tables().len(), stream.rejected()));
     }
 
     /// A table that is not known at build time, as from a parameter store: checked, then used at

@@ -3,9 +3,8 @@
 
 use core::hint::black_box;
 
-use tempco::{Play, SlowPart, Table, Terms, Thermal, ThermalSettings};
+use tempco::{Play, Schedule, SlowPart, Table, Terms, Thermal, ThermalSettings};
 use tempco_image::CRC;
-use tempco_replay::Schedule;
 
 use super::UnitStream;
 
@@ -89,8 +88,8 @@ fn answer() -> Option<u32> {
             stream.temperatures(&[black_box(given_c)]);
         }
         let raw = [[black_box(f32::from(number) * 0.37 - 20.0), 0.5]];
-        for channel in &stream.sample(&raw).channels {
-            digest.update(&channel.status.to_le_bytes());
+        for channel in stream.sample(&raw) {
+            digest.update(&u32::from(channel.status.bits()).to_le_bytes());
             for value in channel.compensated.iter().chain(&channel.bias) {
                 digest.update(&value.to_le_bytes());
             }

@@ -1,8 +1,8 @@
 //! The main loop, one pass at a time.
 
+use tempco::Schedule;
 use tempco_image::{Image, Unit as AxisUnit};
 use tempco_link::{Counters, Fault, Server};
-use tempco_replay::Schedule;
 
 use super::devices::{Devices, Flash, Gyro, Link, ResetCause, SampleClock, Thermometers, Watchdog};
 use super::exchange::MainEnds;

@@ -39,9 +39,8 @@ pub mod thermometry;
 pub use main_loop::{Next, Parts, Unit, scale};
 pub use sampling::Sampling;
 
-use tempco::Table;
+use tempco::{Schedule, Stream, Table};
 use tempco_image::{MAX_PLAYS, MAX_SLOW_PARTS};
-use tempco_replay::{Schedule, Stream};
 
 use crate::table;
 

@@ -2,8 +2,8 @@
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
-use tempco::Status;
-use tempco_replay::{ChannelOutcome, Outcome, Schedule};
+use tempco::{Schedule, Status};
+use tempco_replay::{ChannelOutcome, Outcome};
 
 use super::devices::{Gyro, SampleClock};
 use super::exchange::{Injected, InterruptEnds, Moment};
@@ -187,7 +187,7 @@ fn sample<const C: usize, const A: usize>(
     raw: &[[f32; A]; C],
 ) -> Outcome<C, A> {
     match stream {
-        Some(stream) => stream.sample(raw),
+        Some(stream) => stream.sample(raw).into(),
         None => Outcome {
             channels: raw.map(|raw| ChannelOutcome {
                 effective_c: f32::NAN,

@@ -3,13 +3,13 @@
 use core::sync::atomic::Ordering;
 
 use heapless::Vec;
-use tempco::Status;
+use tempco::{Schedule, Status};
 use tempco_image::{MAX_PLAYS, MAX_SLOW_PARTS};
 use tempco_link::{
     Axes, Channels, Fault, FaultSet, Handler, Losses, MAX_BLOCK, MAX_CHUNK, Outcome, Refusal,
     Request, Response, Telemetry,
 };
-use tempco_replay::{Replay, Schedule};
+use tempco_replay::Replay;
 
 use super::devices::{Flash, SampleClock, Thermometers};
 use super::exchange::{MainEnds, Moment};

@@ -8,6 +8,7 @@ use std::rc::Rc;
 use std::sync::atomic::AtomicU32;
 
 use embedded_io::{ErrorType, Read, ReadReady, Write};
+use tempco::Schedule;
 use tempco_firmware::board::mps2_an386::nor::{Nor, REGIONS, WORDS};
 use tempco_firmware::table;
 use tempco_firmware::unit::devices::{
@@ -24,7 +25,7 @@ use tempco_image::{AlignedBytes, Channel, ChannelHistory, Info, Unit as AxisUnit
 use tempco_link::{
     Client, Event, Fault, FaultEntry, FaultSet, MAX_CHUNK, Refusal, Request, Response, Telemetry,
 };
-use tempco_replay::{Outcome, Schedule};
+use tempco_replay::Outcome;
 use tempco_sensors::SensorFault;
 
 /// A twentieth of the unit's gyro rate and its rate of temperatures: tests of minutes are short.

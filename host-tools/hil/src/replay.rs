@@ -2,12 +2,12 @@
 
 use std::time::Duration;
 
-use tempco::Table;
+use tempco::{Schedule, Stream, Table};
 use tempco_link::{
     ChannelTelemetry, Channels, MAX_AXES, MAX_BLOCK, Outcome, OutcomeBlock, Request, Response,
     Sample, SampleBlock, Telemetry,
 };
-use tempco_replay::{Replay, Schedule, Stream};
+use tempco_replay::Replay;
 
 use crate::{Error, Unit};
 
@@ -114,7 +114,7 @@ pub fn by_block<const C: usize, const A: usize, const PLAYS: usize, const SLOW: 
             let mut raw = Vec::with_capacity(MAX_BLOCK);
             for sample in &block {
                 append(&mut raw, sample.raw.iter().flatten());
-                expected.push(&host.sample(&sample.raw));
+                expected.push(&host.sample(&sample.raw).into());
             }
             let values = block.iter().flat_map(|sample| sample.raw.iter().flatten());
             let counts: Option<Vec<u8>> = values.map(|value| count(*value, scale)).collect();

@@ -4,11 +4,11 @@ use std::collections::VecDeque;
 use std::io;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
+use tempco::Schedule;
 use tempco_link::{
     Bank, Client, Event, FaultEntry, FaultSet, LinkError, Losses, MAX_FAULTS, Refusal, Request,
     Response, Telemetry, VERSION,
 };
-use tempco_replay::Schedule;
 
 use crate::{Error, Port};
 

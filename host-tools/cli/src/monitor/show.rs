@@ -150,8 +150,8 @@ fn line(telemetry: &Telemetry) -> String {
 
 #[cfg(test)]
 mod tests {
+    use tempco::Schedule;
     use tempco_link::{Fault, FaultSet, Outcome};
-    use tempco_replay::Schedule;
 
     use super::*;
 

@@ -6,7 +6,7 @@ use std::os::unix::net::UnixStream;
 use std::sync::{Arc, Mutex};
 use std::thread;
 
-use tempco::{Table, Terms, ThermalSettings};
+use tempco::{Schedule, Stream, Table, Terms, ThermalSettings};
 use tempco_image::{
     AlignedBytes, CRC, Channel, ChannelHistory, Image, Info, MAX_PLAYS, MAX_SLOW_PARTS, Unit,
     encode,
@@ -15,7 +15,7 @@ use tempco_link::{
     Bank, ChannelTelemetry, FaultEntry, Handler, Losses, MAX_FAULTS, Outcome, OutcomeBlock,
     Refusal, Request, Response, Sample, SampleBlock, Server, Telemetry,
 };
-use tempco_replay::{Replay, Schedule, Stream};
+use tempco_replay::Replay;
 
 pub(crate) const SCHEDULE: Schedule = Schedule {
     sample_rate_hz: 2000.0,
@@ -233,7 +233,7 @@ impl Running {
         let mut last = Outcome::default();
         let values: Vec<f32> = block.values().unwrap().collect();
         for raw in values.as_chunks().0 {
-            let made = outcome(&self.stream.sample(&[*raw]));
+            let made = outcome(&self.stream.sample(&[*raw]).into());
             last = self.spoilt(made);
             for value in &last.compensated {
                 self.answer.extend(value.to_le_bytes());

@@ -1,9 +1,6 @@
-//! The gyro's side of the two-rate pair, as a sampling interrupt and a host run it.
+//! The two-rate pairs of all temperature channels, as a sampling interrupt and a host run them.
 
-use tempco::{Interval, Status, Table, TwoRateCompensator};
-
-use crate::replay::canonical;
-use crate::{ChannelOutcome, Outcome};
+use crate::{Interval, Output, Status, Table, TwoRateCompensator};
 
 /// How often a unit samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,7 +55,10 @@ impl<'t, const C: usize, const A: usize, const PLAYS: usize, const SLOW: usize>
         self.tables
     }
 
-    /// Takes temperatures; NaN where there is none \[degC\].
+    /// Takes a temperature per channel; NaN where there is none \[degC\].
+    ///
+    /// # Timing
+    /// No branch depends on the data but for the first call, which starts the channels.
     pub fn temperatures(&mut self, temps_c: &[f32; C]) {
         let channels = self.units.iter_mut().zip(&self.intervals).zip(temps_c);
         for ((unit, interval), temp_c) in channels {
@@ -70,23 +70,22 @@ impl<'t, const C: usize, const A: usize, const PLAYS: usize, const SLOW: usize>
         self.is_started = true;
     }
 
-    /// Takes one gyro sample through every channel.
-    pub fn sample(&mut self, raw: &[[f32; A]; C]) -> Outcome<C, A> {
-        let channels = core::array::from_fn(|channel| {
+    /// Takes one gyro sample per axis through every channel \[unit of each axis\].
+    ///
+    /// # Timing
+    /// No branch depends on the data.
+    #[inline]
+    pub fn sample(&mut self, raw: &[[f32; A]; C]) -> [Output<A>; C] {
+        core::array::from_fn(|channel| {
             let unit = &mut self.units[channel];
             let raw = raw[channel];
-            let compensated = unit.compensate(raw).map(canonical);
-            let point = unit.point();
-            let status = unit.status() | Status::of_raw(&raw);
-            ChannelOutcome {
-                effective_c: point.effective_c,
-                rate_c_per_min: point.rate_c_per_min,
-                status: u32::from(status.bits()),
+            Output {
+                compensated: unit.compensate(raw),
                 bias: unit.bias(),
-                compensated,
+                point: unit.point(),
+                status: unit.status() | Status::of_raw(&raw),
             }
-        });
-        Outcome { channels }
+        })
     }
 
     /// Temperatures rejected so far, over all channels.
