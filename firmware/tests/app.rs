@@ -4,8 +4,6 @@ use std::io;
 
 use embedded_io::{ErrorKind, ErrorType, Read, Write};
 use tempco_firmware::app::{ReplayError, replay};
-use tempco_firmware::history::{HISTORY, PLAY};
-use tempco_firmware::kernels::{self, Inputs, Tables, Units};
 use tempco_firmware::table::{CRC, TABLES};
 use tempco_replay::{Header, HeaderError, Outcome, Record, Replay, Sample, Summary, decode_all};
 
@@ -175,68 +173,4 @@ fn broken_lines_are_reported_as_such() {
         io::Error::other(result.unwrap_err()).to_string(),
         "writing outcomes: BrokenPipe"
     );
-}
-
-/// The bench must measure working code.
-#[test]
-fn kernels_do_what_they_are_named_after() {
-    let table = &TABLES[0];
-    let interval = tempco::Interval::new(table.thermal(), 1.0);
-    let inputs = Inputs {
-        interval,
-        dt_s: 1.0,
-        temp_c: 26.0,
-        raw: [1.0, 2.0, 3.0],
-    };
-    let tables = Tables {
-        plain: table,
-        play: &PLAY,
-        history: &HISTORY[0],
-    };
-    let mut units = Units::new(tables, 1);
-    units.start(25.0);
-    let mut single = tempco::Compensator::new(table);
-    single.start(25.0);
-    let expected = single.step(&interval, 26.0, inputs.raw);
-
-    let mut output = expected;
-    output.bias = [f32::NAN; A];
-    kernels::empty(&mut units, &inputs, &mut output);
-    assert!(output.bias[0].is_nan());
-    kernels::step(&mut units, &inputs, &mut output);
-    assert_eq!(output, expected);
-    kernels::update(&mut units, &inputs, &mut output);
-    kernels::compensate(&mut units, &inputs, &mut output);
-    assert_eq!(output, expected);
-    kernels::interval(&mut units, &inputs, &mut output);
-    assert_eq!(units.interval, interval);
-
-    let mut single = tempco::Compensator::new(&HISTORY[0]);
-    single.start(25.0);
-    let expected = single.step(&interval, 26.0, inputs.raw);
-    kernels::step_history(&mut units, &inputs, &mut output);
-    assert_eq!(output, expected);
-    kernels::update_history(&mut units, &inputs, &mut output);
-    assert_eq!(output.point, expected.point);
-
-    kernels::cubic(&mut units, &inputs, &mut output);
-    for axis in 0..A {
-        let [c0, c1, c2, c3] = units.baselines.cubic.coefficients[axis].map(f64::from);
-        let bias = c0 + c1 + c2 + c3;
-        assert!((f64::from(output.bias[axis]) - bias).abs() < 1e-6);
-        assert_eq!(
-            output.compensated[axis],
-            inputs.raw[axis] - output.bias[axis]
-        );
-    }
-    units
-        .baselines
-        .cubic
-        .compensate(1e9, inputs.raw, &mut output);
-    let hottest = output.bias;
-    units
-        .baselines
-        .cubic
-        .compensate(80.0, inputs.raw, &mut output);
-    assert_eq!(output.bias, hottest);
 }

@@ -24,6 +24,9 @@ const FOREIGN: [&str; 10] = [
     "DEFMT_LOG",
 ];
 
+/// The images of the package `tempco-test-images`; all others are of `tempco-firmware`.
+const TEST_IMAGES: [&str; 5] = ["bench", "faults", "golden", "guard", "guard_unit"];
+
 /// How an image is compiled, apart from what is in it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Variant {
@@ -51,7 +54,7 @@ impl Variant {
     };
 }
 
-/// Builds the firmware's binary `bin` for a board and returns the image's path.
+/// Builds the binary `bin` of the firmware or the test images for a board and returns the image's path.
 ///
 /// With `table`, the coefficient table in that file is built in, else the example. Every
 /// combination has a path of its own, which stays valid when another is built.
@@ -93,7 +96,7 @@ pub fn build_variant(
     keep(&built, &target_dir, &name)
 }
 
-/// Builds a binary of the firmware as a program for this machine, with the example table.
+/// Builds a binary of the firmware or the test images as a program for this machine, with the example table.
 ///
 /// # Errors
 /// The compiler's words, if it refuses.
@@ -178,7 +181,7 @@ fn cargo_for(board: Board, table: Option<&Path>, variant: &Variant, mut cargo: C
     cargo
 }
 
-/// Builds one of the firmware's binaries, on a profile changed as the variant says.
+/// Builds one of the binaries, on a profile changed as the variant says.
 fn cargo(workspace: &Workspace, target_dir: &Path, bin: &str, variant: &Variant) -> Command {
     let mut cargo = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     for (name, _) in env::vars_os().filter(|(name, _)| is_foreign(name)) {
@@ -186,13 +189,21 @@ fn cargo(workspace: &Workspace, target_dir: &Path, bin: &str, variant: &Variant)
     }
     cargo
         .current_dir(workspace.root())
-        .args(["build", "--package", "tempco-firmware", "--bin", bin])
+        .args(["build", "--package", package_of(bin), "--bin", bin])
         .arg("--target-dir")
         .arg(target_dir);
     for config in variant.config {
         cargo.args(["--config", config]);
     }
     cargo
+}
+
+fn package_of(bin: &str) -> &'static str {
+    if TEST_IMAGES.contains(&bin) {
+        "tempco-test-images"
+    } else {
+        "tempco-firmware"
+    }
 }
 
 fn is_foreign(name: &OsStr) -> bool {

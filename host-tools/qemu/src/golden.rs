@@ -99,7 +99,9 @@ fn first_difference(lines: &[String], expected: &str) -> Option<[String; 2]> {
 }
 
 fn expected_path(workspace: &Workspace) -> PathBuf {
-    workspace.root().join("firmware/tests/golden.txt")
+    workspace
+        .root()
+        .join("firmware/test-images/tests/golden.txt")
 }
 
 #[cfg(test)]

@@ -13,7 +13,7 @@ const SOFT_FLOAT_SAMPLES: u32 = 120_000;
 fn assert_golden(name: &str, lines: &[String]) {
     assert_eq!(lines.len(), 2, "{name}: {lines:?}");
     if let Some([made, expected]) = check(&WORKSPACE, lines).unwrap() {
-        panic!("{name} made `{made}`, not `{expected}`; see firmware/tests/golden.txt");
+        panic!("{name} made `{made}`, not `{expected}`; see firmware/test-images/tests/golden.txt");
     }
 }
 

@@ -1,15 +1,18 @@
 //! Every check, as continuous integration runs it.
 
 use anyhow::{Result, ensure};
-use tempco_qemu::{Board, TARGET, Workspace, ensure_qemu, ensure_target, ensure_target_of};
+use tempco_qemu::{Board, Workspace, ensure_qemu, ensure_target, ensure_target_of};
 
 use crate::run::{cargo, run as step, run_and_read};
+
+const FIRMWARE: &str = "tempco-firmware";
+const TEST_IMAGES: &str = "tempco-test-images";
+const IMAGES: [&str; 2] = [FIRMWARE, TEST_IMAGES];
 
 pub(crate) fn run() -> Result<()> {
     let workspace = Workspace::find()?;
     ensure_target(&workspace)?;
     ensure_qemu(&workspace)?;
-    let firmware = ["--package", "tempco-firmware", "--target", TARGET];
     for job in [
         vec!["fmt", "--check"],
         vec![
@@ -21,40 +24,23 @@ pub(crate) fn run() -> Result<()> {
             "-D",
             "warnings",
         ],
-        [
-            &["clippy", "--bins", "--locked"][..],
-            &firmware,
-            &["--", "-D", "warnings"],
-        ]
-        .concat(),
-        [
-            &[
-                "clippy",
-                "--bin",
-                "guard",
-                "--bin",
-                "guard_unit",
-                "--locked",
-            ][..],
-            &["--features", "link-guard"],
-            &firmware,
-            &["--", "-D", "warnings"],
-        ]
-        .concat(),
     ] {
         step(&workspace, &mut cargo(&workspace, &job))?;
     }
+    lint_images(&workspace, Board::Mps2An386, &IMAGES, &["--bins"], "")?;
+    let guards = ["--bin", "guard", "--bin", "guard_unit"];
+    let test_images = [TEST_IMAGES];
+    lint_images(
+        &workspace,
+        Board::Mps2An386,
+        &test_images,
+        &guards,
+        ",link-guard",
+    )?;
     // The application, on the boards that it is for.
     for board in [Board::Mps2An386, Board::Stm32F405, Board::Mps2An500] {
-        let features = board.feature() + ",application";
-        let mut lint = cargo(
-            &workspace,
-            &["clippy", "--lib", "--bin", "unit", "--locked"],
-        );
-        lint.args(["--package", "tempco-firmware", "--no-default-features"])
-            .args(["--target", board.target(), "--features", &features])
-            .args(["--", "-D", "warnings"]);
-        step(&workspace, &mut lint)?;
+        let unit = ["--lib", "--bin", "unit"];
+        lint_images(&workspace, board, &[FIRMWARE], &unit, ",application")?;
     }
     // The real board, and one of each other kind of processor.
     for board in [
@@ -64,12 +50,7 @@ pub(crate) fn run() -> Result<()> {
         Board::Microbit,
     ] {
         ensure_target_of(&workspace, board)?;
-        let feature = board.feature();
-        let mut lint = cargo(&workspace, &["clippy", "--bins", "--locked"]);
-        lint.args(["--package", "tempco-firmware", "--no-default-features"])
-            .args(["--target", board.target(), "--features", &feature])
-            .args(["--", "-D", "warnings"]);
-        step(&workspace, &mut lint)?;
+        lint_images(&workspace, board, &IMAGES, &["--bins"], "")?;
     }
     let mut doc = cargo(&workspace, &["doc", "--workspace", "--no-deps", "--locked"]);
     step(&workspace, doc.env("RUSTDOCFLAGS", "-D warnings"))?;
@@ -84,6 +65,25 @@ pub(crate) fn run() -> Result<()> {
     println!("\n{passed} passed, {failed} failed");
     ensure!(succeeded && failed == 0, "tests failed");
     ensure!(passed > 0, "no test ran");
+    Ok(())
+}
+
+/// Clippy on targets of packages as they are built for a board, with further features.
+fn lint_images(
+    workspace: &Workspace,
+    board: Board,
+    packages: &[&str],
+    targets: &[&str],
+    features: &str,
+) -> Result<()> {
+    for package in packages {
+        let mut lint = cargo(workspace, &["clippy", "--locked", "--package", package]);
+        lint.args(targets)
+            .args(["--target", board.target(), "--no-default-features"])
+            .args(["--features", &(board.feature() + features)])
+            .args(["--", "-D", "warnings"]);
+        step(workspace, &mut lint)?;
+    }
     Ok(())
 }
 

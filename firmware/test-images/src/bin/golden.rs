@@ -5,7 +5,8 @@
 //! one image that does the same on the host, so that both can be compared.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
-use tempco_firmware::{golden, history::HISTORY, table::TABLES};
+use tempco_firmware::table::TABLES;
+use tempco_test_images::{golden, history::HISTORY};
 
 #[cfg(not(target_os = "none"))]
 fn main() -> std::process::ExitCode {

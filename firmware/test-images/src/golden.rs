@@ -167,7 +167,7 @@ mod tests {
     #[test]
     fn the_samples_raise_every_flag() {
         use tempco::{Status, Validity};
-        let table = &crate::table::TABLES[0];
+        let table = &tempco_firmware::table::TABLES[0];
         let mut unit = Compensator::new(table);
         let mut samples = Samples::new();
         let (mut seen, mut usable) = (Status::OK, 0);
@@ -197,10 +197,10 @@ mod tests {
 
     #[test]
     fn one_bit_of_one_output_changes_the_hash() {
-        let table = &crate::table::TABLES[0];
+        let table = &tempco_firmware::table::TABLES[0];
         let mut unit = Compensator::new(table);
         let interval = Interval::new(table.thermal(), 0.1);
-        let output = unit.step(&interval, 25.0, [0.5; crate::table::AXES]);
+        let output = unit.step(&interval, 25.0, [0.5; tempco_firmware::table::AXES]);
         let hash = |output| {
             let mut hash = Fnv::new();
             hash.output(output);

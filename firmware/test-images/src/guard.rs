@@ -1,4 +1,4 @@
-//! Stands in for `target` in the images `guard` and `guard_unit`: the proof that what they call
+//! Stands in for `tempco_firmware::target` in the images `guard` and `guard_unit`: the proof that what they call
 //! cannot panic.
 //!
 //! The panic handler calls a function that is nowhere defined. If the optimiser leaves any path to
@@ -18,7 +18,7 @@ use core::panic::PanicInfo;
 
 use semihosting::sys::arm_compat::sys_writec;
 
-use crate::stack;
+use tempco_firmware::stack;
 
 // Linked for what it defines: the critical section.
 use cortex_m as _;

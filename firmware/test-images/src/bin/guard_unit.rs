@@ -20,7 +20,7 @@ fn main() -> ! {
 #[cfg(all(target_os = "none", feature = "link-guard"))]
 #[cortex_m_rt::entry]
 fn main() -> ! {
-    use tempco_firmware::guard::{links, report_and_exit, sensors, stores};
+    use tempco_test_images::guard::{links, report_and_exit, sensors, stores};
 
     let stored = stores().is_ok();
     let linked = links().is_ok();

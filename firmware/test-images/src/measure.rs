@@ -6,7 +6,7 @@ use core::hint::black_box;
 
 use cortex_m::peripheral::{SYST, syst::SystClkSource};
 
-use crate::board::BOARD;
+use tempco_firmware::board::BOARD;
 
 const NANOSECONDS: u32 = 1_000_000_000;
 

@@ -24,11 +24,11 @@ mod image {
         Interval, Output, Schedule, Status, Stream, Table, TableError, Terms, Thermal,
         ThermalPoint, ThermalSettings,
     };
-    use tempco_firmware::guard::report_and_exit;
-    use tempco_firmware::history::{HISTORY, PLAY};
-    use tempco_firmware::kernels::{self, Inputs, Tables, Units};
     use tempco_firmware::table::{AXES, CHANNELS, CRC, TABLES};
     use tempco_replay::{Header, HeaderError, Record, RecordError, Replay, Sample};
+    use tempco_test_images::guard::report_and_exit;
+    use tempco_test_images::history::{HISTORY, PLAY};
+    use tempco_test_images::kernels::{self, Inputs, Tables, Units};
 
     /// Enough for the state to matter; the proof is in the linking.
     const ROUNDS: u32 = 100;

@@ -2,7 +2,7 @@
 
 use tempco::{Play, SlowPart, Table, Thermal, ThermalSettings};
 
-use crate::table::{AXES, TABLES};
+use tempco_firmware::table::{AXES, TABLES};
 
 /// One hysteresis term on top.
 pub static PLAY: Table<'static, AXES, 1> = match slow().with_history([TERM], []) {

@@ -1,6 +1,6 @@
 //! Image `bench`: executed instructions of the compensator, counted in QEMU.
 //!
-//! Every input is measured by `tempco_firmware::measure` in many calls from the same state, and the
+//! Every input is measured by `tempco_test_images::measure` in many calls from the same state, and the
 //! cost of measuring is measured with an empty function and taken off. A line is `bench NAME MIN MAX`, in instructions
 //! per call beyond those of the empty function, over all inputs; or `size NAME BYTES`.
 #![cfg_attr(target_os = "none", no_std, no_main)]
@@ -15,11 +15,11 @@ mod image {
     use core::hint::black_box;
 
     use tempco::{Interval, Output, Table, ThermalPoint};
-    use tempco_firmware::history::{HISTORY, PLAY};
-    use tempco_firmware::kernels::{self, Inputs, Kernel, Tables, Units};
-    use tempco_firmware::measure::{Span, Stopwatch};
     use tempco_firmware::table::{AXES, TABLES};
     use tempco_firmware::target::{banner, exit};
+    use tempco_test_images::history::{HISTORY, PLAY};
+    use tempco_test_images::kernels::{self, Inputs, Kernel, Tables, Units};
+    use tempco_test_images::measure::{Span, Stopwatch};
 
     /// Double precision takes thousands of instructions, so the baselines see fewer inputs.
     const BASELINES: usize = 4;

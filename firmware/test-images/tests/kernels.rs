@@ -1,0 +1,71 @@
+//! What the image `bench` measures.
+
+use tempco_firmware::table::{AXES, TABLES};
+use tempco_test_images::history::{HISTORY, PLAY};
+use tempco_test_images::kernels::{self, Inputs, Tables, Units};
+
+/// The bench must measure working code.
+#[test]
+fn kernels_do_what_they_are_named_after() {
+    let table = &TABLES[0];
+    let interval = tempco::Interval::new(table.thermal(), 1.0);
+    let inputs = Inputs {
+        interval,
+        dt_s: 1.0,
+        temp_c: 26.0,
+        raw: [1.0, 2.0, 3.0],
+    };
+    let tables = Tables {
+        plain: table,
+        play: &PLAY,
+        history: &HISTORY[0],
+    };
+    let mut units = Units::new(tables, 1);
+    units.start(25.0);
+    let mut single = tempco::Compensator::new(table);
+    single.start(25.0);
+    let expected = single.step(&interval, 26.0, inputs.raw);
+
+    let mut output = expected;
+    output.bias = [f32::NAN; AXES];
+    kernels::empty(&mut units, &inputs, &mut output);
+    assert!(output.bias[0].is_nan());
+    kernels::step(&mut units, &inputs, &mut output);
+    assert_eq!(output, expected);
+    kernels::update(&mut units, &inputs, &mut output);
+    kernels::compensate(&mut units, &inputs, &mut output);
+    assert_eq!(output, expected);
+    kernels::interval(&mut units, &inputs, &mut output);
+    assert_eq!(units.interval, interval);
+    kernels::pulses(&mut units, &inputs, &mut output);
+    assert_eq!(units.pulses, 1);
+
+    let mut single = tempco::Compensator::new(&HISTORY[0]);
+    single.start(25.0);
+    let expected = single.step(&interval, 26.0, inputs.raw);
+    kernels::step_history(&mut units, &inputs, &mut output);
+    assert_eq!(output, expected);
+    kernels::update_history(&mut units, &inputs, &mut output);
+    assert_eq!(output.point, expected.point);
+
+    kernels::cubic(&mut units, &inputs, &mut output);
+    for axis in 0..AXES {
+        let [c0, c1, c2, c3] = units.baselines.cubic.coefficients[axis].map(f64::from);
+        let bias = c0 + c1 + c2 + c3;
+        assert!((f64::from(output.bias[axis]) - bias).abs() < 1e-6);
+        assert_eq!(
+            output.compensated[axis],
+            inputs.raw[axis] - output.bias[axis]
+        );
+    }
+    units
+        .baselines
+        .cubic
+        .compensate(1e9, inputs.raw, &mut output);
+    let hottest = output.bias;
+    units
+        .baselines
+        .cubic
+        .compensate(80.0, inputs.raw, &mut output);
+    assert_eq!(output.bias, hottest);
+}
