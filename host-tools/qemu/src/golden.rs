@@ -29,7 +29,7 @@ pub const HOST_BUILDS: [(&str, Profile, Variant); 3] = [
 /// The boards to compare: one of each processor with floating point.
 pub const BOARDS: [Board; 3] = [Board::Mps2An386, Board::Mps2An500, Board::Mps2An505];
 
-/// Boards whose processors have no floating point: soft float takes some fifty times as long.
+/// Boards whose processors have no floating point: soft float takes much longer.
 pub const SOFT_FLOAT_BOARDS: [Board; 2] = [Board::Mps2An385, Board::Microbit];
 
 /// The hashes of so many samples on this machine, a line each, as of `golden SAMPLES`.

@@ -18,7 +18,7 @@ pub(crate) struct Args {
     /// Millions of samples
     #[arg(long, default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=4000))]
     millions: u32,
-    /// Millions of samples in soft float, which takes some fifty times as long
+    /// Millions of samples in soft float, which takes much longer
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=4000))]
     soft_float_millions: u32,
 }
