@@ -19,7 +19,7 @@ pub struct ThermalSettings {
     pub sensor_max_c: f32,
     /// Largest believable jump between neighbouring temperatures beyond `max_slew_c_per_min`
     /// \[degC\]: noise and quantisation of the sensor, generously. Also how far the effective
-    /// temperature may be from where it ramps to without [`Status::SETTLING`].
+    /// temperature may be from where it ramps to without [`SETTLING`](crate::Status::SETTLING).
     pub spike_gate_c: f32,
     /// Fastest change the part can undergo \[degC/min\]. Bounds what is believed after a fault,
     /// and the speed at which the effective temperature, and with it the bias, may move (but for
@@ -27,8 +27,8 @@ pub struct ThermalSettings {
     pub max_slew_c_per_min: f32,
     /// How long the last good temperature is held before it is given up \[s\], at most 20000.
     pub hold_s: f32,
-    /// How long [`Status::SETTLING`] outlasts a rejected temperature \[s\], at most 20000; after
-    /// several in a row, longer by the time they took.
+    /// How long [`SETTLING`](crate::Status::SETTLING) outlasts a rejected temperature \[s\], at
+    /// most 20000; after several in a row, longer by the time they took.
     pub heal_s: f32,
     /// Time constant of the rate estimator \[s\], 0.1 to 6000.
     pub tau_s: f32,
