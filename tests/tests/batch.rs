@@ -86,7 +86,7 @@ fn a_bad_unit_does_not_stop_the_others() {
     );
     let html = fs::read_to_string(bench.path("sets/summary.html")).unwrap();
     assert!(
-        html.contains("7 accepted, 0 rejected, 1 failed; 1 outliers."),
+        html.contains("7 accepted, 0 of them with warnings; 0 rejected, 1 failed; 1 outliers."),
         "{html}"
     );
 

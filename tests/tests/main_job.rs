@@ -68,7 +68,9 @@ fn a_worse_set_is_rejected_by_exit_code() {
     bench.ok("evaluate set/coefficients.json log.csv");
     let ran = bench.run("evaluate set/coefficients.json turned.csv");
     assert_eq!(ran.code, 1);
-    assert!(ran.err.contains("no better than none on x"), "{}", ran.err);
+    let said =
+        "rejected, no_better_than_none: axis x: compensation is no better than none on turned.csv";
+    assert!(ran.err.contains(said), "{}", ran.err);
 }
 
 #[test]
@@ -177,22 +179,22 @@ fn temperatures_per_axis_are_fitted_and_replayed_apart() {
 }
 
 #[test]
-fn rounding_that_matters_is_remarked_on() {
+fn rounding_that_matters_is_warned_of() {
     let bench = Bench::new();
     bench.ok("simulate --unit paper --profile short --seed 3 --out log.csv");
     let log = std::fs::read_to_string(bench.path("log.csv")).unwrap();
     // So large a constant on x that an f32 of it is coarse beside what is to be removed.
     let shifted = with_x_pulses(&log, |pulses| pulses + 30_000);
     bench.write("shifted.csv", &shifted);
-    for (file, remarked) in [("log.csv", false), ("shifted.csv", true)] {
+    for (file, warned) in [("log.csv", false), ("shifted.csv", true)] {
         let ran = bench.run(&format!(
             "fit {file} --serial S1 --segments 5:45 --out {file}.set"
         ));
         assert_eq!(ran.code, 0, "{}", ran.err);
         let said = format!("{}{}", ran.out, ran.err);
-        let remark = |axis: &str| said.contains(&format!("axis {axis}: rounding in f32 can cost"));
-        assert_eq!(remark("x"), remarked, "{file}: {said}");
-        assert!(!remark("y"), "{file}: {said}");
+        let warning = |axis: &str| said.contains(&format!("axis {axis}: rounding in f32 can cost"));
+        assert_eq!(warning("x"), warned, "{file}: {said}");
+        assert!(!warning("y"), "{file}: {said}");
         let shown = bench.ok(&format!("inspect {file}.set/coefficients.json"));
         assert!(shown.contains("rounding bound"), "{shown}");
     }

@@ -111,7 +111,7 @@ fn a_set_that_does_harm_is_marked_as_rejected_on_request_only() {
     let applied = bench.run("apply set/coefficients.json log.csv --out out.csv");
     assert_eq!(applied.code, 0);
     assert!(
-        applied.err.contains("marked as rejected"),
+        applied.err.contains("rejected, no_better_than_none"),
         "{}",
         applied.err
     );

@@ -105,7 +105,8 @@ fn log() -> String {
     let mut log = String::from("time_s,temp_c,x_pulses\n");
     for row in 0..600 {
         let temp_c = 25.0 + 15.0 * (f64::from(row) * 0.01).sin();
-        log.push_str(&format!("{row},{temp_c:.3},{}\n", 100 + row % 7));
+        let pulses = 100 + (0.5 * temp_c) as u32 + row % 7;
+        log.push_str(&format!("{row},{temp_c:.3},{pulses}\n"));
     }
     log
 }

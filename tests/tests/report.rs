@@ -150,14 +150,14 @@ fn the_page_rejects_what_does_harm_and_trusts_no_name() {
     let page = |name: &str| fs::read_to_string(bench.path(name)).unwrap();
     let fitted = page("set/report.html");
     assert!(fitted.contains("Calibration of unit &lt;b&gt;&amp;&quot;S1</h1>"));
-    assert!(fitted.contains("verdict remarks") && fitted.contains("not yet judged on"));
+    assert!(fitted.contains("Not verified on a log"));
     let ran = bench.run("evaluate set/coefficients.json turned.csv --report turned.html");
     assert_eq!(ran.code, 1, "{}{}", ran.out, ran.err);
     let rejected = page("turned.html");
     assert!(rejected.contains("verdict reject"));
     assert!(rejected.contains("axis z: compensation is no better than none on turned.csv"));
     bench.ok("evaluate set/coefficients.json log.csv --report log.html");
-    assert!(page("log.html").contains("judged on a log it was fitted to"));
+    assert!(page("log.html").contains("Not verified on a log"));
 }
 
 #[test]
@@ -213,8 +213,9 @@ fn what_is_judged_is_printed_as_json_too() {
     let json = |args: &str| -> Value { serde_json::from_str(&bench.ok(args)).unwrap() };
     bench.ok("simulate --unit paper --profile short --seed 3 --out log.csv");
     let fitted = json("fit log.csv --serial S1 --out set --segments 6:45 --figures svg --json");
-    assert_eq!(fitted["verdict"], "accept with remarks");
-    assert_eq!(fitted["objections"], Value::Array(Vec::new()));
+    assert_ne!(fitted["verdict"], "rejected");
+    assert_eq!(fitted["verified"], false);
+    assert_eq!(fitted["rejections"], Value::Array(Vec::new()));
     let files = [
         "coefficients.json",
         "table.bin",
@@ -228,6 +229,9 @@ fn what_is_judged_is_printed_as_json_too() {
     }
     let inspected = json("inspect set/coefficients.json --json");
     assert_eq!(inspected["set"], fitted["set"]);
+    for key in ["verdict", "verified", "rejections", "warnings"] {
+        assert_eq!(inspected[key], fitted[key]);
+    }
     assert_eq!(inspected["rejected"], false);
     assert_eq!(inspected["channels"][0]["axes"][2]["axis"], "z");
 

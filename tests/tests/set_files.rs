@@ -244,9 +244,9 @@ fn texts_of_a_set_act_on_nothing() {
         ("apply changed.json steep.csv --out out.csv", 2),
         (
             "evaluate changed.json log.csv --tau 10 --report out.html --figures out/svg",
-            0,
+            1,
         ),
-        ("evaluate changed.json log.csv --tau 10 --json", 0),
+        ("evaluate changed.json log.csv --tau 10 --json", 1),
     ] {
         let ran = bench.run(command);
         assert_eq!(ran.code, code, "{command}: {}{}", ran.out, ran.err);

@@ -5,13 +5,15 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 use tempco::Status;
+use tempco_evaluate::judge;
 use tempco_log::Log;
 use tempco_set::CoefficientSet;
 use tempco_set::escape::csv_cell;
 use tempco_set::run::{Applied, apply, inputs};
 
 use crate::Verdict;
-use crate::output::{print, say, write_file};
+use crate::judgement::say_rejections;
+use crate::output::{print, write_file};
 use crate::shared_args::SetAndLog;
 use crate::status::status_text;
 
@@ -31,12 +33,7 @@ pub(crate) struct Args {
 
 pub(crate) fn run(args: &Args) -> Result<Verdict> {
     let (set, log) = args.put.read()?;
-    if set.is_rejected() {
-        say!(
-            "{}: this set is marked as rejected: on a verification log it was no better than none",
-            args.put.set.display()
-        );
-    }
+    say_rejections(args.put.set.display(), &judge(&set, None));
     let applied = apply(&set, &log)?;
     write_file(&args.out, &to_csv(&set, &log, &applied)?)?;
     let remarked = applied.status.iter().filter(|s| **s != Status::OK).count();

@@ -10,12 +10,13 @@ use tempco_fit::batch::{
 use tempco_fit::summary::{Plan, digest_file};
 use tempco_fit::{FitOptions, fit_digests};
 use tempco_log::{ReadOptions, parallel};
-use tempco_report::Judgement;
+use tempco_set::WarningCode;
 use tempco_set::files::write_files;
 use tempco_set::run::is_rereadable;
 
 use crate::Verdict;
 use crate::fit::{report_on, write};
+use crate::judgement::say_rejections;
 use crate::output::{figure, percent, print, print_lines, say, table};
 use crate::progress::Progress;
 
@@ -97,15 +98,15 @@ fn fit_unit(
         .map(|path| digest_file(path, reading, plan, |bytes| progress.add(bytes)))
         .collect::<Result<Vec<_>, _>>()?;
     let fit = fit_digests(&logs, &options)?;
+    let judgement = fit.judge();
     let report = if with_report {
-        let judgement = Judgement::new(&fit.set, None, &fit.remarks);
         let (logs, tau_s) = (&unit.logs, options.tau_s);
         Some(report_on(&fit.set, &judgement, logs, reading, tau_s)?)
     } else {
         None
     };
     write(&out.join(&unit.serial), &fit.set, report.as_ref())?;
-    Ok(UnitFigures::new(&fit))
+    Ok(UnitFigures::new(&fit.set, judgement))
 }
 
 fn show(summary: &Summary) -> Result<()> {
@@ -149,10 +150,28 @@ fn show(summary: &Summary) -> Result<()> {
         match &unit.result {
             Err(error) => say!("unit {}: {error}", unit.serial),
             Ok(figures) => {
-                for objection in &figures.objections {
-                    say!("unit {}: {objection}", unit.serial);
-                }
+                say_rejections(format_args!("unit {}:", unit.serial), &figures.judgement);
             }
+        }
+    }
+    show_warnings(summary)
+}
+
+/// Each code once, with the units that it is of; the summary has the messages.
+fn show_warnings(summary: &Summary) -> Result<()> {
+    for code in WarningCode::ALL {
+        let warned = |unit: &&Outcome| {
+            let figures = unit.result.as_ref();
+            figures.is_ok_and(|of| of.judgement.warnings.iter().any(|of| of.code == *code))
+        };
+        let units = summary.units().iter().filter(warned);
+        let serials: Vec<&str> = units.map(|unit| unit.serial.as_str()).collect();
+        if !serials.is_empty() {
+            let (code, count) = (code.name(), serials.len());
+            print(format_args!(
+                "warning {code}: {count} units: {}",
+                serials.join(", ")
+            ))?;
         }
     }
     Ok(())

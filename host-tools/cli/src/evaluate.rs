@@ -5,13 +5,15 @@ mod show;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
-use tempco_evaluate::{Evaluation, Role, evaluate};
-use tempco_report::{Judgement, Report, Subject};
-use tempco_set::CoefficientSet;
+use serde::Serialize;
+use tempco_evaluate::{Evaluation, Role, evaluate, judge, sign_off};
+use tempco_report::{Report, Subject};
 use tempco_set::run::Reread;
+use tempco_set::{CoefficientSet, Judgement};
 
 use crate::Verdict;
 use crate::image::is_image;
+use crate::judgement::{self, say_rejections};
 use crate::output::{print_json, say, write_file};
 use crate::report::{Found, ensure_rereadable, gather, write_figures};
 use crate::shared_args::{SetAndLog, averaging_time, load_set_for};
@@ -19,8 +21,8 @@ use crate::shared_args::{SetAndLog, averaging_time, load_set_for};
 /// Judge a coefficient set on a log
 ///
 /// Bias stability, residuals, hysteresis, Allan deviation, boundaries and coverage; docs/metrics.md
-/// says what each figure means. Exits with 1 where the compensation of an axis is no better than
-/// none.
+/// says what each figure means. Exits with 1 where the set is rejected: by this log, by its last
+/// sign-off, by the logs it was fitted to, or by its own segments.
 #[derive(clap::Args)]
 pub(crate) struct Args {
     /// Set to compare with, such as the one in use; without, the static part of SET
@@ -62,7 +64,7 @@ pub(crate) fn run(args: &Args) -> Result<Verdict> {
         );
         ensure_rereadable(std::slice::from_ref(&args.put.log))?;
     }
-    let (set, log) = args.put.read()?;
+    let (mut set, log) = args.put.read()?;
     let against = args.against.as_deref();
     let against = against.map(|set| load_set_for(set, &log)).transpose()?;
     let evaluation = evaluate(&set, &log, against.as_ref(), args.tau)
@@ -76,23 +78,41 @@ pub(crate) fn run(args: &Args) -> Result<Verdict> {
         duration_s: log.time_s[log.rows() - 1] - log.time_s[0],
     };
     drop(log);
-    write_report(args, &set, &evaluation, found)?;
+    if args.sign_off {
+        ensure_can_sign_off(&args.put.set, &evaluation)?;
+        set.sign_offs.push(sign_off(&evaluation));
+    }
+    let judgement = judge(&set, Some(&evaluation));
+    write_report(args, &set, &evaluation, &judgement, found)?;
     if args.json {
-        print_json(&evaluation)?;
+        print_json(&Judged {
+            evaluation: &evaluation,
+            judgement: &judgement,
+        })?;
     } else {
         show::show(&evaluation)?;
+        judgement::show(&judgement)?;
     }
-    let worse = evaluation.worse_axes();
-    if !worse.is_empty() {
-        say!(
-            "not acceptable: the compensation is no better than none on {}",
-            worse.join(", ")
-        );
-    }
+    let shown = args.put.set.display();
+    say_rejections(&shown, &judgement);
     if args.sign_off {
-        sign_off(&args.put.set, set, &evaluation)?;
+        let written = write_file(&args.put.set, set.to_json().as_bytes());
+        written.context("the verdict was not noted")?;
+        let last = set.sign_offs.last();
+        let rejects = last.is_some_and(|last| !last.accepted);
+        let verdict = if rejects { "rejected" } else { "accepted" };
+        say!("{shown}: marked as {verdict}");
     }
-    Ok(Verdict::of(worse.is_empty()))
+    Ok(Verdict::of(judgement.is_accepted()))
+}
+
+/// What is printed as JSON.
+#[derive(Serialize)]
+struct Judged<'a> {
+    #[serde(flatten)]
+    evaluation: &'a Evaluation,
+    #[serde(flatten)]
+    judgement: &'a Judgement,
 }
 
 /// Writes what was asked for of report and figures.
@@ -100,6 +120,7 @@ fn write_report(
     args: &Args,
     set: &CoefficientSet,
     evaluation: &Evaluation,
+    judgement: &Judgement,
     found: Found,
 ) -> Result<()> {
     if args.report.is_none() && args.figures.is_none() {
@@ -110,7 +131,7 @@ fn write_report(
     let subject = Subject {
         set,
         evaluation: Some(evaluation),
-        judgement: &Judgement::new(set, Some(evaluation), &[]),
+        judgement,
     };
     let report = Report::new(subject, gathered)?;
     if let Some(folder) = &args.figures {
@@ -122,7 +143,7 @@ fn write_report(
     Ok(())
 }
 
-fn sign_off(path: &Path, mut set: CoefficientSet, evaluation: &Evaluation) -> Result<()> {
+fn ensure_can_sign_off(path: &Path, evaluation: &Evaluation) -> Result<()> {
     let shown = path.display();
     ensure!(
         path.extension()
@@ -134,13 +155,5 @@ fn sign_off(path: &Path, mut set: CoefficientSet, evaluation: &Evaluation) -> Re
         "--sign-off: {shown} was fitted to {}: expected a log it has not seen",
         evaluation.log.file
     );
-    set.sign_offs.push(evaluation.sign_off());
-    write_file(path, set.to_json().as_bytes()).context("the verdict was not noted")?;
-    let verdict = if set.is_rejected() {
-        "rejected"
-    } else {
-        "accepted"
-    };
-    say!("{shown}: marked as {verdict}");
     Ok(())
 }

@@ -6,14 +6,17 @@ use anyhow::{Context, Result, ensure};
 use clap::ValueEnum;
 use serde_json::json;
 use tempco::ThermalSettings;
-use tempco_fit::{Fit, FitOptions, States, fit_digests};
+use tempco_fit::{FitOptions, States, fit_digests};
 use tempco_log::ReadOptions;
-use tempco_report::{Judgement, Report, Subject};
-use tempco_set::{CoefficientSet, Model, Overlap, Segmentation, Stretch, file_names, write_set};
+use tempco_report::{Report, Subject};
+use tempco_set::{
+    CoefficientSet, Judgement, Model, Overlap, Segmentation, Stretch, file_names, write_set,
+};
 
 use crate::Verdict;
 use crate::batch;
-use crate::output::{figure, percent, print, print_json, print_lines, say, table};
+use crate::judgement::{say_rejections, show};
+use crate::output::{figure, percent, print, print_json, print_lines, table};
 use crate::report::{ensure_rereadable, fitted_logs, gather, write_figures};
 use crate::set_tables::{show_choice, show_states};
 use crate::shared_args::{LogArgs, averaging_time};
@@ -139,40 +142,37 @@ pub(crate) fn run(args: &Args) -> Result<Verdict> {
         ensure_rereadable(&args.logs)?;
     }
     let logs = args.reading.digest_all(&args.logs, &options.plan()?)?;
-    let Fit { set, remarks } = fit_digests(&logs, &options)?;
-    let judgement = Judgement::new(&set, None, &remarks);
+    let fit = fit_digests(&logs, &options)?;
+    let (set, judgement) = (&fit.set, fit.judge());
     let report = if args.no_report {
         None
     } else {
-        Some(report_on(&set, &judgement, &args.logs, &reading, args.tau)?)
+        Some(report_on(set, &judgement, &args.logs, &reading, args.tau)?)
     };
     if let (Some(report), Some(folder)) = (&report, &args.figures) {
         write_figures(report, folder)?;
     }
-    write(&args.out, &set, report.as_ref())?;
+    write(&args.out, set, report.as_ref())?;
 
     let files = files(args);
     if args.json {
         print_json(&json!({
             "set": set,
-            "verdict": judgement.verdict().name(),
-            "objections": judgement.objections,
-            "remarks": judgement.remarks,
+            "verdict": judgement.verdict(),
+            "verified": judgement.verified,
+            "rejections": judgement.rejections,
+            "warnings": judgement.warnings,
             "files": files,
         }))?;
     } else {
-        summarise(&set, args.tau)?;
+        summarise(set, args.tau)?;
         print(format_args!("wrote {}", files.join(", ")))?;
         set.channels.iter().try_for_each(show_states)?;
         set.channels.iter().try_for_each(show_choice)?;
-        for remark in &remarks {
-            print(format_args!("remark: {remark}"))?;
-        }
+        show(&judgement)?;
     }
-    for objection in &judgement.objections {
-        say!("not acceptable: {objection}");
-    }
-    Ok(Verdict::of(judgement.objections.is_empty()))
+    say_rejections(args.out.display(), &judgement);
+    Ok(Verdict::of(judgement.is_accepted()))
 }
 
 /// The report on a set and the logs it was fitted to.

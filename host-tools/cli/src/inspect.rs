@@ -4,21 +4,21 @@ use std::path::PathBuf;
 
 use anyhow::{Result, ensure};
 use serde_json::{Value, json};
-use tempco_evaluate::boundaries;
-use tempco_set::{ChannelSet, CoefficientSet, MISMATCH_ALARM, read_set};
+use tempco_evaluate::{boundaries, judge};
+use tempco_set::{ChannelSet, CoefficientSet, Judgement, RejectionCode, read_set};
 
 use crate::Verdict;
 use crate::image;
-use crate::output::{figure, print, print_json, print_lines, say, table};
+use crate::judgement::{self, say_rejections};
+use crate::output::{figure, print, print_json, print_lines, table};
 use crate::set_tables::{show_choice, show_coverage, show_states};
 
 /// Show a coefficient set: segments, ranges, mismatches, jumps, CRC, provenance
 ///
 /// Also reads printed static coefficients from CSV (gyro, segment, temp_min_c, temp_max_c,
 /// a0_pulses, ...), and flash images, which it can compare with the set they are made from. Exits
-/// with 1 where neighbouring segments disagree by more than half of the
-/// axis's bias range, where the set is marked as rejected, where an image is not that of the set,
-/// and where the files in the folder of the set are not of one set.
+/// with 1 where the set is rejected, where an image is not that of the set, and where the files in
+/// the folder of the set are not of one set.
 #[derive(clap::Args)]
 pub(crate) struct Args {
     /// Coefficient set (coefficients.json, or printed coefficients as .csv) or flash image (.bin)
@@ -42,43 +42,20 @@ pub(crate) fn run(args: &Args) -> Result<Verdict> {
         "--against: expected with a flash image (.bin) only"
     );
     let set = read_set(&args.set)?;
-    let alarms = alarms(&set);
+    let judgement = judge(&set, None);
     if args.json {
-        print_json(&derived(&set, &alarms))?;
+        print_json(&derived(&set, &judgement))?;
     } else {
         show(&set)?;
+        judgement::show(&judgement)?;
     }
-    if set.is_rejected() {
-        say!("rejected: the last verification log found it no better than none");
-    }
-    if !alarms.is_empty() {
-        say!(
-            "alarm: neighbouring segments disagree by more than {:.0} % of the bias range on {}",
-            100.0 * MISMATCH_ALARM,
-            alarms.join(", ")
-        );
-    }
+    say_rejections(args.set.display(), &judgement);
     let is_whole = image::is_folder_whole(&args.set);
-    Ok(Verdict::of(
-        alarms.is_empty() && !set.is_rejected() && is_whole,
-    ))
-}
-
-/// The axes whose neighbouring segments disagree too much.
-fn alarms(set: &CoefficientSet) -> Vec<&str> {
-    let mut alarms = Vec::new();
-    for channel in &set.channels {
-        for (number, axis) in channel.axes.iter().enumerate() {
-            if channel.mismatch_alarm(number) {
-                alarms.push(axis.name.as_str());
-            }
-        }
-    }
-    alarms
+    Ok(Verdict::of(judgement.is_accepted() && is_whole))
 }
 
 /// The set with what follows from it.
-fn derived(set: &CoefficientSet, alarms: &[&str]) -> Value {
+fn derived(set: &CoefficientSet, judgement: &Judgement) -> Value {
     let of_channel = |channel: &ChannelSet| {
         let axes = channel.axes.iter().enumerate().map(|(number, axis)| {
             json!({
@@ -93,9 +70,16 @@ fn derived(set: &CoefficientSet, alarms: &[&str]) -> Value {
         json!({"temperature": channel.temperature, "axes": axes.collect::<Vec<_>>()})
     };
     let channels: Vec<Value> = set.channels.iter().map(of_channel).collect();
+    let rejections = judgement.rejections.iter();
+    let alarms = rejections.filter(|of| of.code == RejectionCode::SegmentsDisagree);
+    let alarms: Vec<_> = alarms.map(|of| of.axis.as_deref()).collect();
     json!({
         "set": set,
-        "rejected": set.is_rejected(),
+        "verdict": judgement.verdict(),
+        "verified": judgement.verified,
+        "rejections": judgement.rejections,
+        "warnings": judgement.warnings,
+        "rejected": !judgement.is_accepted(),
         "alarms": alarms,
         "channels": channels,
     })

@@ -10,6 +10,7 @@ mod fit;
 mod flash_set;
 mod image;
 mod inspect;
+mod judgement;
 mod monitor;
 mod output;
 mod port_args;

@@ -6,7 +6,8 @@ use std::path::Path;
 use anyhow::{Context, Result};
 use comfy_table::{CellAlignment, Table, presets};
 use serde::Serialize;
-pub(crate) use tempco_report::{figure, percent, states};
+pub(crate) use tempco_evaluate::{figure, percent};
+pub(crate) use tempco_report::states;
 use tempco_set::escape;
 use tempco_set::files::{Draft, keep_all};
 

@@ -7,7 +7,7 @@ use tempco_log::{AxisUnit, Log};
 use tempco_set::run::{
     Applied, ApplyError, ChannelInputs, apply, inputs, points_of, with_every_rate,
 };
-use tempco_set::{ChannelSet, CoefficientSet, CoefficientSigmas, SegmentSet, SignOff, assemble};
+use tempco_set::{ChannelSet, CoefficientSet, CoefficientSigmas, SegmentSet};
 use thiserror::Error;
 
 use crate::correlation::{Correlation, pearson};
@@ -124,34 +124,6 @@ pub struct Boundary {
     /// Largest jump of the table within the overlap, its ends included, at zero, lowest and
     /// highest rate, in the core's own arithmetic.
     pub jump: f64,
-}
-
-impl Evaluation {
-    /// The axes on which the compensation is no better than none.
-    pub fn worse_axes(&self) -> Vec<String> {
-        let worse = self.axes.iter().filter(|axis| !axis.is_acceptable());
-        worse.map(|axis| axis.axis.clone()).collect()
-    }
-
-    /// The verdict as it is noted in a set.
-    pub fn sign_off(&self) -> SignOff {
-        let worse_axes = self.worse_axes();
-        SignOff {
-            file: self.log.file.clone(),
-            sha256: self.log.sha256.clone(),
-            judged: assemble::now(),
-            tau_s: self.tau_s,
-            accepted: worse_axes.is_empty(),
-            worse_axes,
-        }
-    }
-}
-
-impl AxisEvaluation {
-    /// Whether the compensation is better than none.
-    pub fn is_acceptable(&self) -> bool {
-        self.sigma_compensated < self.sigma_raw
-    }
 }
 
 /// Evaluates `set` on `log`, both run through the core.

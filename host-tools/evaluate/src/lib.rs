@@ -8,7 +8,9 @@
 //! | `reference` | what the compensation is compared with |
 //! | `correlation`, `hysteresis` | what is left of temperature, and of its direction |
 //! | `curve`, [`allan`] | Allan deviations of an axis, and how they are computed |
+//! | `judge` | [`judge()`]: what follows for the set |
 //! | `measured` | a figure, or why there is none |
+//! | `text` | how figures are written |
 #![forbid(unsafe_code)]
 
 pub mod allan;
@@ -16,10 +18,12 @@ mod correlation;
 mod curve;
 mod evaluation;
 mod hysteresis;
+mod judge;
 mod means;
 mod measured;
 mod reference;
 mod stability;
+mod text;
 
 pub use correlation::Correlation;
 pub use curve::{AllanCurves, AllanOfAxis};
@@ -28,5 +32,7 @@ pub use evaluation::{
     evaluate,
 };
 pub use hysteresis::Hysteresis;
+pub use judge::{judge, sign_off};
 pub use measured::Measured;
 pub use stability::{Sigmas, Stability};
+pub use text::{figure, percent};

@@ -53,8 +53,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let log = read_log(&path, &ReadOptions::default())?;
     let fit = fit(&[log], &FitOptions::new("EXAMPLE", Model::Composite))?;
-    for remark in &fit.remarks {
-        println!("remark: {remark}");
+    for warning in fit.judge().warnings {
+        println!("warning: {}", warning.message);
     }
     for (_, axis) in fit.set.axes() {
         let held_out = axis.held_out.as_ref().ok_or("no comparison")?;

@@ -9,7 +9,10 @@ use tempco::{
 use tempco_fit::{Fit, FitOptions, States, fit};
 use tempco_log::{AxisUnit, Log};
 use tempco_set::run::apply;
-use tempco_set::{CoefficientSet, GainSet, Model, PlayData, SlowPartData, load_set, table_rs};
+use tempco_set::{
+    CoefficientSet, GainSet, Model, PlayData, SlowPartData, Warning, WarningCode, load_set,
+    table_rs,
+};
 use worlds::{Programme, Random, World, simulate};
 
 /// A unit of one axis that is a table of the core.
@@ -137,8 +140,9 @@ fn one_rate_earns_none_and_says_so() {
     assert!(fit.set.channels[0].axes[0].gains.is_empty());
     let rates = &fit.set.channels[0].selection.as_ref().unwrap();
     assert_eq!(rates.ramp_rates_c_per_min.len(), 1);
-    let said = |remark: &String| remark.contains("all ramps are of one rate");
-    assert!(fit.remarks.iter().any(said), "{:?}", fit.remarks);
+    let judgement = fit.judge();
+    let said = |of: &Warning| of.code == WarningCode::HistoryTermsNotTried;
+    assert!(judgement.warnings.iter().any(said), "{judgement:?}");
 }
 
 #[test]

@@ -3,7 +3,7 @@
 //!
 //! ```text
 //! log, read again -> core -> Gatherer (fixed memory) -> figures --+
-//! set, evaluation, remarks -> Judgement --------------------------+-> page
+//! set, evaluation, judgement --------------------------------------+-> page
 //! ```
 //!
 //! The figures are drawn from what a [`Gatherer`] has collected of the rows, so that a log of any
@@ -15,14 +15,12 @@ mod figure;
 mod gather;
 mod page;
 mod text;
-mod verdict;
 
 pub use gather::{Gatherer, LogTimes};
-pub use text::{figure, percent, states};
-pub use verdict::{Judgement, Verdict};
+pub use text::states;
 
 use tempco_evaluate::Evaluation;
-use tempco_set::CoefficientSet;
+use tempco_set::{CoefficientSet, Judgement};
 use thiserror::Error;
 
 use figure::Figures;

@@ -458,6 +458,7 @@ mod tests {
             tau_s: 100.0,
             accepted: true,
             worse_axes: Vec::new(),
+            warnings: Vec::new(),
         }];
         let channel = &mut set.channels[0];
         channel.segments[0].coverage = Some(Coverage {

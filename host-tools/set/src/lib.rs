@@ -6,6 +6,7 @@
 //! | modules | what they do |
 //! | --- | --- |
 //! | `set`, `axis`, `table`, `history`, `provenance`, `screening`, `selection`, `model_kind` | the records that `coefficients.json` holds |
+//! | `judgement` | the verdict on a set, with rejections and warnings |
 //! | `segment`, `model` | segments of temperature and the polynomials in them |
 //! | `tabulate`, [`assemble`] | fitted polynomials to a table and a set |
 //! | `check`, `rounding` | whether a set that was read holds together; bounds on the table's rounding |
@@ -24,6 +25,7 @@ pub mod files;
 mod folder;
 mod history;
 mod import;
+mod judgement;
 mod load;
 mod model;
 mod model_kind;
@@ -42,6 +44,7 @@ pub use check::SCALE_FACTORS_ARCSEC;
 pub use emit::{set_of_image, table_bin, table_h, table_rs};
 pub use folder::{MARK, REPORT, TABLE_BIN, WriteError, file_names, strangers, write_set};
 pub use history::{PlayData, SlowPartData, Term};
+pub use judgement::{Judgement, Rejection, RejectionCode, Verdict, Warning, WarningCode};
 pub use load::{SetError, check_folder, load_set, read_set};
 pub use model::{AxisModel, Mismatch, Polynomial, TERMS};
 pub use model_kind::Model;

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::Warning;
+
 /// The verdict of a verification log on a set.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -18,6 +20,9 @@ pub struct SignOff {
     pub accepted: bool,
     /// The axes on which it is not.
     pub worse_axes: Vec<String>,
+    /// What the log warned of.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<Warning>,
 }
 
 /// Where a set comes from.

@@ -77,6 +77,17 @@ pub struct Selection {
     pub others: Vec<Candidate>,
 }
 
+impl Selection {
+    /// History terms take ramps of this many rates. With one, what does not depend on the rate
+    /// cannot be told from what does, nor one lag from another.
+    pub const LEAST_RATES: usize = 2;
+
+    /// Whether the logs hold ramps of enough rates to find history terms from.
+    pub fn can_tell_history(&self) -> bool {
+        self.ramp_rates_c_per_min.len() >= Self::LEAST_RATES
+    }
+}
+
 /// Root mean square errors of blocks of ten seconds that were left out of the fit, by whole soaks
 /// and ramps \[unit of the axis\]. They contain the noise of the blocks. None where what remained
 /// could not be fitted.

@@ -168,11 +168,6 @@ impl CoefficientSet {
         serde_json::to_string_pretty(self).expect("keys that are texts") + "\n"
     }
 
-    /// Whether the last verification log that was signed off rejects the set.
-    pub fn is_rejected(&self) -> bool {
-        self.sign_offs.last().is_some_and(|last| !last.accepted)
-    }
-
     /// CRC-32P4 over the numbers of all tables.
     pub fn crc32(&self) -> u32 {
         table::crc32(self.channels.iter().map(|channel| &channel.table))

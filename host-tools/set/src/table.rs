@@ -185,6 +185,12 @@ impl TableData {
             .collect()
     }
 
+    /// Whether some play or second lag of the table is in use.
+    pub fn has_history(&self) -> bool {
+        self.plays.iter().any(|play| play.half_width_c > 0.0)
+            || self.slow_parts.iter().any(|part| part.limit_c > 0.0)
+    }
+
     /// Range of an axis's static bias over the calibrated temperatures \[unit of the axis\].
     pub fn static_range(&self, axis: usize) -> f64 {
         let range = self.with_axis(axis, |table| {

@@ -1,6 +1,6 @@
-//! What a fit says of its unit.
+//! The figures of a unit in a batch.
 
-use crate::Fit;
+use tempco_set::{CoefficientSet, Judgement};
 
 /// What became of a unit.
 #[derive(Clone, Debug)]
@@ -20,10 +20,8 @@ pub struct UnitFigures {
     pub rows: usize,
     /// The axes in the order of the set.
     pub axes: Vec<AxisFigures>,
-    /// Why the set is not acceptable; empty if it is.
-    pub objections: Vec<String>,
-    /// Remarks of the fit.
-    pub remarks: Vec<String>,
+    /// The judgement on the set.
+    pub judgement: Judgement,
 }
 
 /// Figures of an axis on the fitted logs.
@@ -43,39 +41,22 @@ pub struct AxisFigures {
 }
 
 impl UnitFigures {
-    /// Collects the figures of a fit and judges it.
-    pub fn new(fit: &Fit) -> Self {
-        let mut axes = Vec::new();
-        let mut objections = Vec::new();
-        for channel in &fit.set.channels {
-            for (number, axis) in channel.axes.iter().enumerate() {
-                if channel.mismatch_alarm(number) {
-                    objections.push(format!("axis {}: segments disagree", axis.name));
-                }
-                let Some(statistics) = axis.statistics else {
-                    continue;
-                };
-                if statistics.rmse_compensated >= statistics.rmse_raw {
-                    objections.push(format!(
-                        "axis {}: compensation is no better than none",
-                        axis.name
-                    ));
-                }
-                axes.push(AxisFigures {
-                    axis: axis.name.clone(),
-                    unit: axis.unit.name(),
-                    n: statistics.n,
-                    sigma_before: statistics.sigma_raw,
-                    sigma_after: statistics.sigma_compensated,
-                });
-            }
-        }
-        let inputs = &fit.set.provenance.inputs;
+    /// Collects the figures of a fitted set.
+    pub fn new(set: &CoefficientSet, judgement: Judgement) -> Self {
+        let axes = set.axes().filter_map(|(_, axis)| {
+            let statistics = axis.statistics?;
+            Some(AxisFigures {
+                axis: axis.name.clone(),
+                unit: axis.unit.name(),
+                n: statistics.n,
+                sigma_before: statistics.sigma_raw,
+                sigma_after: statistics.sigma_compensated,
+            })
+        });
         Self {
-            rows: inputs.iter().map(|input| input.rows).sum(),
-            axes,
-            objections,
-            remarks: fit.remarks.clone(),
+            rows: set.provenance.inputs.iter().map(|input| input.rows).sum(),
+            axes: axes.collect(),
+            judgement,
         }
     }
 }

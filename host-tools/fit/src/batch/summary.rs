@@ -1,15 +1,15 @@
 //! The summary of a batch, as CSV and HTML.
 
 use std::collections::BTreeMap;
-use std::fmt::Write as _;
 
-use tempco_set::escape;
+use maud::{DOCTYPE, PreEscaped, html};
+use tempco_set::{Judgement, Verdict, escape};
 
-use super::figures::{AxisFigures, Outcome, UnitFigures};
+use super::figures::{AxisFigures, Outcome};
 use super::outlier::{LEAST_UNITS, OUTLIER_Z, robust_z};
 
 /// The columns of the summary, for reading by machines.
-const HEADER: [&str; 14] = [
+const HEADER: [&str; 15] = [
     "serial",
     "verdict",
     "outlier",
@@ -24,6 +24,7 @@ const HEADER: [&str; 14] = [
     "z_before",
     "z_after",
     "message",
+    "codes",
 ];
 
 /// Number of a unit, and of an axis in it.
@@ -72,16 +73,19 @@ impl Summary {
 
     /// Whether every unit has an acceptable set.
     pub fn is_acceptable(&self) -> bool {
-        (0..self.units.len()).all(|unit| self.verdict(unit) == "accepted")
+        let accepted = |of: &Outcome| {
+            let figures = of.result.as_ref();
+            figures.is_ok_and(|figures| figures.judgement.is_accepted())
+        };
+        self.units.iter().all(accepted)
     }
 
-    /// `accepted`; `rejected`, with a set that is not acceptable; or `failed`, without a set.
+    /// The verdict on the set of a unit; `failed` without a set.
     pub fn verdict(&self, unit: usize) -> &'static str {
-        match &self.units[unit].result {
-            Ok(figures) if figures.objections.is_empty() => "accepted",
-            Ok(_) => "rejected",
-            Err(_) => "failed",
-        }
+        let result = &self.units[unit].result;
+        result
+            .as_ref()
+            .map_or("failed", |figures| figures.judgement.verdict().name())
     }
 
     /// Whether some robust z-score of the unit is beyond [`OUTLIER_Z`].
@@ -108,7 +112,7 @@ impl Summary {
                 Ok(figures) => {
                     row[2] = outlier.to_owned();
                     row[4] = figures.rows.to_string();
-                    row[13] = message(figures);
+                    [row[13], row[14]] = reasons(&figures.judgement);
                     for (position, axis) in figures.axes.iter().enumerate() {
                         let scores = self.scores.get(&(number, position)).copied();
                         fill(&mut row, axis, scores.unwrap_or_default());
@@ -134,43 +138,45 @@ impl Summary {
 
     /// The summary as a page that needs nothing else.
     pub fn html(&self) -> String {
-        let count = |verdict| {
+        let count = |verdict: &str| {
             let units = 0..self.units.len();
             units.filter(|&unit| self.verdict(unit) == verdict).count()
         };
-        let outliers = (0..self.units.len())
-            .filter(|&u| self.is_outlier(u))
-            .count();
-        let mut page = format!(
-            "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>tempco: {0} \
-             units</title>\n<style>{STYLE}</style></head><body>\n<h1>{0} units</h1>\n<p>{1} \
-             accepted, {2} rejected, {3} failed; {outliers} outliers.</p>\n<p>Sigma: standard \
-             deviation of means on the fitted logs. Outlier: |z| of ln sigma, before or after \
-             compensation, above {OUTLIER_Z}, where z is the distance from the median of all units in \
-             1.4826 median absolute deviations; from {LEAST_UNITS} units on.</p>\n<table>\n<tr>",
-            self.units.len(),
-            count("accepted"),
-            count("rejected"),
-            count("failed"),
-        );
-        for name in HEADER {
-            let _ = write!(page, "<th>{}</th>", name.replace('_', " "));
-        }
-        page.push_str("</tr>\n");
-        for (unit, row) in self.rows() {
-            let outlier = if self.is_outlier(unit) {
-                " outlier"
-            } else {
-                ""
-            };
-            let _ = write!(page, "<tr class=\"{}{outlier}\">", self.verdict(unit));
-            for cell in row {
-                let _ = write!(page, "<td>{}</td>", escape::html(&cell));
+        let with_warnings = count(Verdict::AcceptedWithWarnings.name());
+        let accepted = count(Verdict::Accepted.name()) + with_warnings;
+        let rejected = count(Verdict::Rejected.name());
+        let outliers = (0..self.units.len()).filter(|&unit| self.is_outlier(unit));
+        let units = self.units.len();
+        let page = html! {
+            (DOCTYPE)
+            html lang="en" {
+                head {
+                    meta charset="utf-8";
+                    title { "tempco: " (units) " units" }
+                    style { (PreEscaped(STYLE)) }
+                }
+                body {
+                    h1 { (units) " units" }
+                    p { (accepted) " accepted, " (with_warnings) " of them with warnings; "
+                        (rejected) " rejected, " (count("failed")) " failed; "
+                        (outliers.count()) " outliers." }
+                    p { "Sigma: standard deviation of means on the fitted logs. Outlier: |z| of ln "
+                        "sigma, before or after compensation, above " (OUTLIER_Z) ", where z is the "
+                        "distance from the median of all units in 1.4826 median absolute "
+                        "deviations; from " (LEAST_UNITS) " units on." }
+                    table {
+                        tr { @for name in HEADER { th { (name.replace('_', " ")) } } }
+                        @for (unit, row) in self.rows() {
+                            tr class={ (self.verdict(unit))
+                                @if self.is_outlier(unit) { " outlier" } } {
+                                @for cell in row { td { (escape::line(&cell)) } }
+                            }
+                        }
+                    }
+                }
             }
-            page.push_str("</tr>\n");
-        }
-        page.push_str("</table>\n</body></html>\n");
-        page
+        };
+        page.into_string() + "\n"
     }
 }
 
@@ -205,14 +211,19 @@ fn fill(row: &mut [String; HEADER.len()], axis: &AxisFigures, scores: [Option<f6
     row[12] = score(scores[1]);
 }
 
-fn message(figures: &UnitFigures) -> String {
-    let parts: Vec<&str> = figures
-        .objections
-        .iter()
-        .chain(&figures.remarks)
-        .map(String::as_str)
-        .collect();
-    parts.join("; ")
+/// What rejects a set and what it warns of: the messages, and the codes without repetition.
+fn reasons(judgement: &Judgement) -> [String; 2] {
+    let rejections = judgement.rejections.iter();
+    let rejections = rejections.map(|of| (of.code.name(), &of.message));
+    let warnings = judgement.warnings.iter();
+    let warnings = warnings.map(|of| (of.code.name(), &of.message));
+    let (mut codes, messages): (Vec<_>, Vec<_>) = rejections
+        .chain(warnings)
+        .map(|(code, message)| (code, message.as_str()))
+        .unzip();
+    codes.sort_unstable();
+    codes.dedup();
+    [messages.join("; "), codes.join("; ")]
 }
 
 const STYLE: &str = "body{font:14px sans-serif;margin:2em}table{border-collapse:collapse}\
@@ -222,6 +233,9 @@ const STYLE: &str = "body{font:14px sans-serif;margin:2em}table{border-collapse:
 
 #[cfg(test)]
 mod tests {
+    use tempco_set::{Rejection, RejectionCode, Warning, WarningCode};
+
+    use super::super::figures::UnitFigures;
     use super::*;
 
     fn unit(serial: &str, sigma_after: f64) -> Outcome {
@@ -238,8 +252,7 @@ mod tests {
             result: Ok(UnitFigures {
                 rows: 100,
                 axes: vec![axis],
-                objections: Vec::new(),
-                remarks: Vec::new(),
+                judgement: Judgement::default(),
             }),
         }
     }
@@ -269,11 +282,13 @@ mod tests {
                 .starts_with("S5,accepted,yes,1,100,x,dph,50,1.0000e0,9.0000e-1,0.1000,0.00,")
         );
         assert!(
-            csv.ends_with("BAD,failed,,1,,,,,,,,,,\"a,b.csv:1: <no> \"\"column\"\"\"\n"),
+            csv.ends_with("BAD,failed,,1,,,,,,,,,,\"a,b.csv:1: <no> \"\"column\"\"\",\n"),
             "{csv}"
         );
         let html = summary.html();
-        assert!(html.contains("6 accepted, 0 rejected, 1 failed; 1 outliers."));
+        assert!(
+            html.contains("6 accepted, 0 of them with warnings; 0 rejected, 1 failed; 1 outliers.")
+        );
         assert!(html.contains("a,b.csv:1: &lt;no&gt; &quot;column&quot;"));
     }
 
@@ -306,17 +321,27 @@ mod tests {
     }
 
     #[test]
-    fn an_objection_rejects() {
+    fn what_is_judged_is_written_once() {
         let mut rejected = unit("S", 0.1);
-        let figures = rejected.result.as_mut().unwrap();
-        figures
-            .objections
-            .push("axis x: segments disagree".to_owned());
+        let judgement = &mut rejected.result.as_mut().unwrap().judgement;
+        for axis in ["x", "y"] {
+            let code = RejectionCode::SegmentsDisagree;
+            judgement
+                .rejections
+                .push(Rejection::of_axis(code, axis, "segments disagree"));
+        }
+        judgement
+            .warnings
+            .push(Warning::new(WarningCode::Spikes, "3 rows".to_owned()));
         let summary = Summary::new(vec![rejected]);
         assert_eq!(
             (summary.verdict(0), summary.is_acceptable()),
             ("rejected", false)
         );
         assert!(!summary.is_outlier(0));
+        let csv = String::from_utf8(summary.csv()).unwrap();
+        let reasons = "axis x: segments disagree; axis y: segments disagree; 3 rows,\
+                       segments_disagree; spikes\n";
+        assert!(csv.ends_with(reasons), "{csv}");
     }
 }

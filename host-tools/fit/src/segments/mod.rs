@@ -4,7 +4,8 @@ pub(crate) mod solve;
 
 use tempco::ThermalSettings;
 use tempco_set::{
-    CoefficientSigmas, Overlap, Polynomial, Segment, SegmentSet, Segmentation, TERMS,
+    CoefficientSigmas, Overlap, Polynomial, Segment, SegmentSet, Segmentation, TERMS, Warning,
+    WarningCode,
 };
 
 use crate::channel_fit::ChannelFit;
@@ -18,16 +19,19 @@ pub(crate) fn fit(
     thermal: ThermalSettings,
     terms: usize,
     (segmentation, overlap): (&Segmentation, Overlap),
-    remarks: &mut Vec<String>,
+    warnings: &mut Vec<Warning>,
 ) -> Result<ChannelFit, FitError> {
     let (t_min_c, t_max_c) = data.range(|block| block.effective_range_c);
     let temperature = data.temperature();
     let (rows, outside) = rows_of(data, segmentation, overlap);
     if outside > 0 {
         let (low, high) = segmentation.range_c();
-        remarks.push(format!(
-            "{outside} rows lie outside the segments ({low} to {high} degC); at run time the \
-             temperature is clamped there"
+        warnings.push(Warning::new(
+            WarningCode::RowsOutsideSegments,
+            format!(
+                "{temperature}: {outside} rows lie outside the segments ({low} to {high} degC); at \
+                 run time the temperature is clamped there"
+            ),
         ));
     }
 
@@ -43,13 +47,6 @@ pub(crate) fn fit(
                 t_min_c,
                 t_max_c,
             })?;
-        if fit.terms < terms {
-            remarks.push(format!(
-                "segment {segment} degC ({temperature}): the data cannot tell {} apart from the \
-                 other terms; dropped",
-                TERMS[fit.terms..terms].join(", ")
-            ));
-        }
         for (axis, coefficients) in polynomials.iter_mut().zip(&fit.solution.coefficients) {
             axis.push(Polynomial::new(segment, coefficients));
         }

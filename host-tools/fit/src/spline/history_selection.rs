@@ -1,7 +1,7 @@
 //! Whether a unit earns states: by what they do on soaks and ramps that were left out.
 
 use tempco::TableError;
-use tempco_set::Term;
+use tempco_set::{Selection, Term};
 
 use crate::least_squares::{Basis, Gram, RateForm};
 use crate::spline::breakpoints::Layout;
@@ -14,10 +14,6 @@ use crate::spline::lag_search::Search;
 use crate::spline::model_selection::Question;
 use crate::spline::regressors::{Lag, Regressors};
 
-/// States take ramps of this many rates. With one, what does not depend on the rate cannot be told
-/// from what does, nor one lag from another.
-pub(crate) const LEAST_RATES: usize = 2;
-
 impl Question<'_> {
     /// The `chosen` model, or the best spline of the `others` where it has no rate terms, with the
     /// states that it earns: the fewest within one standard error of the best, and only if the
@@ -28,7 +24,7 @@ impl Question<'_> {
         chosen: &Tried,
         others: &[Tried],
     ) -> Result<Option<Tried>, TableError> {
-        if folds.ramp_rates.len() < LEAST_RATES {
+        if folds.ramp_rates.len() < Selection::LEAST_RATES {
             return Ok(None);
         }
         let has_rate = |tried: &&Tried| matches!(&tried.choice, Choice::Spline(spline) if spline.rate != RateForm::None);

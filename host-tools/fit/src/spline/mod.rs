@@ -15,8 +15,7 @@ mod regressors;
 mod rows;
 mod solve;
 
-pub(crate) use candidate::{Choice, Chosen, Spline};
+pub(crate) use candidate::{Choice, Chosen};
 pub(crate) use fit::fit;
-pub(crate) use history_selection::LEAST_RATES;
 pub(crate) use model_selection::Question;
 pub(crate) use regressors::FixedLag;

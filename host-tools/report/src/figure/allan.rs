@@ -77,8 +77,8 @@ pub(super) fn draw(
                         "{what}, {}: {}, 1 sigma {} to {}",
                         with_unit(point.tau_s, "s"),
                         with_unit(point.deviation, unit),
-                        crate::text::figure(point.interval[0]),
-                        crate::text::figure(point.interval[1])
+                        tempco_evaluate::figure(point.interval[0]),
+                        tempco_evaluate::figure(point.interval[1])
                     );
                     hovers.dot(chart.backend_coord(&place(point)), text);
                 }

@@ -183,7 +183,7 @@ pub(super) fn range_of(values: impl Iterator<Item = f64>) -> Range<f64> {
 
 /// A value with a unit, in four significant digits.
 pub(super) fn with_unit(value: f64, unit: &str) -> String {
-    format!("{} {unit}", crate::text::figure(value))
+    format!("{} {unit}", tempco_evaluate::figure(value))
 }
 
 #[cfg(test)]

@@ -84,7 +84,7 @@ fn between(columns: &[(f64, Spread)], unit: &str) -> Option<String> {
         .map(|c| c.1.max)
         .fold(f64::NEG_INFINITY, f64::max);
     (low <= high).then(|| {
-        let (at, low) = (columns[0].0, crate::text::figure(low));
+        let (at, low) = (columns[0].0, tempco_evaluate::figure(low));
         format!("{at:.2} h: {low} to {}", with_unit(high, unit))
     })
 }

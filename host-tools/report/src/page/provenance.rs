@@ -1,12 +1,12 @@
 //! What the set was made from, and with which settings.
 
 use maud::{Markup, html};
-use tempco_evaluate::Role;
+use tempco_evaluate::{Role, figure};
 use tempco_set::{ChannelSet, CoefficientSet};
 
 use super::{cell, table};
 use crate::Subject;
-use crate::text::{figure, seconds};
+use crate::text::seconds;
 
 pub(super) fn provenance(subject: &Subject) -> Markup {
     let set = subject.set;

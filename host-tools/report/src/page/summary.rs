@@ -1,32 +1,34 @@
 //! The verdict and the figures behind it.
 
 use maud::{Markup, html};
-use tempco_evaluate::{Evaluation, Role};
-use tempco_set::CoefficientSet;
+use tempco_evaluate::{Evaluation, Role, figure, percent};
+use tempco_set::{CoefficientSet, Verdict};
 
 use super::{axis_cell, cell, table};
-use crate::text::{figure, percent, seconds};
-use crate::{Subject, Verdict};
+use crate::Subject;
+use crate::text::seconds;
 
 pub(super) fn summary(subject: &Subject) -> Markup {
     let judgement = subject.judgement;
     let verdict = judgement.verdict();
     let class = match verdict {
-        Verdict::Accept => "verdict accept",
-        Verdict::AcceptWithRemarks => "verdict remarks",
-        Verdict::Reject => "verdict reject",
+        Verdict::Accepted => "verdict accept",
+        Verdict::AcceptedWithWarnings => "verdict warnings",
+        Verdict::Rejected => "verdict reject",
     };
     html! {
         section class=(class) {
-            p.word { (verdict.name()) }
-            p { (why(subject)) }
-            @if !judgement.objections.is_empty() {
+            p.word { (verdict.name().replace('_', " ")) }
+            p { @if judgement.verified { "Verified on a log that the set was not fitted to. " }
+                @else { "Not verified on a log that the set was not fitted to. " }
+                (why(subject)) }
+            @if !judgement.rejections.is_empty() {
                 h3 { "Why not" }
-                ul { @for reason in &judgement.objections { li { (reason) } } }
+                ul { @for of in &judgement.rejections { (reason(of.code.name(), &of.message)) } }
             }
-            @if !judgement.remarks.is_empty() {
-                h3 { "Remarks" }
-                ul { @for remark in &judgement.remarks { li { (remark) } } }
+            @if !judgement.warnings.is_empty() {
+                h3 { "Warnings" }
+                ul { @for of in &judgement.warnings { (reason(of.code.name(), &of.message)) } }
             }
         }
         section {
@@ -36,6 +38,10 @@ pub(super) fn summary(subject: &Subject) -> Markup {
             }
         }
     }
+}
+
+fn reason(code: &str, message: &str) -> Markup {
+    html! { li { (message) " " code { (code) } } }
 }
 
 /// The verdict in a sentence of figures.

@@ -1,12 +1,12 @@
 //! The tables below the figures.
 
 use maud::{Markup, html};
-use tempco_evaluate::Evaluation;
+use tempco_evaluate::{Evaluation, figure};
 use tempco_set::{AxisSet, Candidate, ChannelSet, CoefficientSet, HeldOutErrors};
 
 use super::{axis_cell, cell, table};
 use crate::band::sigma_at;
-use crate::text::{figure, states};
+use crate::text::states;
 
 /// Runner-ups that are shown; the set holds all.
 const SHOWN: usize = 6;

@@ -1,0 +1,271 @@
+//! What a set says of its own fit and its table.
+
+use tempco_set::{
+    AxisSet, ChannelSet, CoefficientSet, Judgement, Model, Rejection, RejectionCode, Screening,
+    SegmentSet, TERMS, Warning, WarningCode,
+};
+
+use super::merit::{Merit, no_better_than_none};
+use crate::text::figure;
+
+/// A segment of which the rows span less than this share of its width reaches beyond its data.
+const LEAST_WIDTH: f64 = 0.8;
+
+/// Condition number beyond which the coefficients of a segment are hardly determined.
+const LARGE_CONDITION: f64 = 100.0;
+
+/// A simpler model that does better by this share on what was left out is worth a warning.
+const CLEARLY_BETTER: f64 = 0.05;
+
+/// A boundary that was moved by more is worth a warning \[degC\].
+const LARGE_MOVE_C: f64 = 0.01;
+
+/// A rounding bound beyond this share of the compensated bias stability is worth a warning.
+const LARGE_ROUNDING: f64 = 0.01;
+
+pub(super) fn judge(set: &CoefficientSet, judgement: &mut Judgement) {
+    for channel in &set.channels {
+        for (number, axis) in channel.axes.iter().enumerate() {
+            judgement.rejections.extend(rejections(channel, number));
+            let errors = held_out(axis);
+            judgement.warnings.extend(errors);
+        }
+        let warnings = &mut judgement.warnings;
+        if let Some(screening) = &channel.screening {
+            warn_of_screening(&channel.temperature, screening, warnings);
+        }
+        warn_of_terms(set.settings.model, channel, warnings);
+        for segment in &channel.segments {
+            warn_of_segment(segment, warnings);
+        }
+        warn_of_table(channel, warnings);
+    }
+    for input in &set.provenance.inputs {
+        if input.unusable_rows > 0 {
+            judgement.warnings.push(Warning::new(
+                WarningCode::UnusableRows,
+                format!(
+                    "{}: {} rows were not fitted, since their temperature or interval was not \
+                     accepted",
+                    input.file, input.unusable_rows
+                ),
+            ));
+        }
+    }
+}
+
+fn rejections(channel: &ChannelSet, number: usize) -> impl Iterator<Item = Rejection> {
+    let axis = &channel.axes[number];
+    let disagree = channel.mismatch_alarm(number).then(|| {
+        Rejection::of_axis(
+            RejectionCode::SegmentsDisagree,
+            &axis.name,
+            "neighbouring segments disagree by more than half of the bias range",
+        )
+    });
+    // Bias stability where there are means of it, and the error of single rows.
+    let worse = axis.statistics.and_then(|of| {
+        let stability = Merit::bias_stability(of.sigma_raw, of.sigma_compensated);
+        let stability = (of.n > 1).then_some(stability);
+        let error = Merit::rms_error(of.rmse_raw, of.rmse_compensated);
+        let merits = stability.into_iter().chain([error]);
+        no_better_than_none(&axis.name, merits, "the fitted logs")
+    });
+    disagree.into_iter().chain(worse)
+}
+
+fn held_out(axis: &AxisSet) -> Option<Warning> {
+    let errors = axis.held_out?;
+    let chosen = errors.chosen?;
+    if chosen >= errors.none {
+        return Some(Warning::of_axis(
+            WarningCode::HeldOutNoBetter,
+            &axis.name,
+            "on soaks and ramps left out of the fit, the model is no better than none",
+        ));
+    }
+    let simpler = [
+        ("one cubic in T", errors.cubic),
+        ("the static model", errors.static_model),
+        ("the composite model", errors.composite),
+    ];
+    let (name, error) = simpler
+        .into_iter()
+        .filter_map(|(name, error)| Some((name, error?)))
+        .filter(|(_, error)| *error < (1.0 - CLEARLY_BETTER) * chosen)
+        .min_by(|a, b| a.1.total_cmp(&b.1))?;
+    Some(Warning::of_axis(
+        WarningCode::SimplerModelBetter,
+        &axis.name,
+        format_args!(
+            "on soaks and ramps left out of the fit, {name} does better ({} against {} {})",
+            figure(error),
+            figure(chosen),
+            axis.unit
+        ),
+    ))
+}
+
+fn warn_of_screening(temperature: &str, found: &Screening, warnings: &mut Vec<Warning>) {
+    use WarningCode::{BiasStep, DisturbedRows, ExcludedRows, Spikes};
+    let counts = [
+        (ExcludedRows, found.excluded_rows, "in excluded stretches"),
+        (Spikes, found.spike_rows, "spikes"),
+        (
+            DisturbedRows,
+            found.disturbed_rows,
+            "disturbed for 10 s or more",
+        ),
+    ];
+    for (code, rows, why) in counts.into_iter().filter(|(_, rows, _)| *rows > 0) {
+        let message = format!("{temperature}: {rows} rows left out: {why}");
+        warnings.push(Warning::new(code, message));
+    }
+    for step in &found.steps {
+        warnings.push(Warning {
+            code: BiasStep,
+            axis: Some(step.axis.clone()),
+            message: format!(
+                "{}: the bias of {} steps by {:+.3e} at {:.0} s; leave the stretch out by \
+                 --exclude if it is not of the unit",
+                step.file, step.axis, step.size, step.time_s
+            ),
+        });
+    }
+}
+
+/// Terms that the model could have and does not.
+fn warn_of_terms(asked_for: Model, channel: &ChannelSet, warnings: &mut Vec<Warning>) {
+    let selection = channel.selection.as_ref();
+    let model = selection.map_or(asked_for, |selection| selection.chosen.model);
+    // Each segment of the paper's models has the terms that its rows can carry.
+    if model != Model::Spline {
+        let terms = &TERMS[..model.terms()];
+        for segment in channel.segments.iter().filter(|of| of.rows > 0) {
+            let dropped = terms.get(segment.terms.len()..).unwrap_or_default();
+            if !dropped.is_empty() {
+                warnings.push(Warning::new(
+                    WarningCode::TermsDropped,
+                    format!(
+                        "{} ({}): the data cannot tell {} apart from the other terms; dropped",
+                        name(segment),
+                        channel.temperature,
+                        dropped.join(", ")
+                    ),
+                ));
+            }
+        }
+    }
+    let Some(selection) = selection else {
+        return;
+    };
+    if selection.chosen.rate_columns == 0 {
+        warnings.push(Warning::new(
+            WarningCode::NoRateTerms,
+            format!(
+                "{}: not improvable by the rate of temperature, as far as these logs tell: the \
+                 model has no rate terms and no lag shift (they are tried where the logs hold four \
+                 soaks and ramps or more, at rates that differ)",
+                channel.temperature
+            ),
+        ));
+    }
+    if model == Model::Spline {
+        warn_of_axes(channel, selection.chosen.rate_columns > 0, warnings);
+    }
+    let candidates = std::iter::once(&selection.chosen).chain(&selection.others);
+    let has_rate = candidates
+        .into_iter()
+        .any(|of| of.model == Model::Spline && of.rate_columns > 0);
+    if has_rate && !selection.can_tell_history() {
+        warnings.push(Warning::new(
+            WarningCode::HistoryTermsNotTried,
+            format!(
+                "{}: plays and second lag are not tried: all ramps are of one rate, which tells no \
+                 hysteresis from a lag and no lag from another",
+                channel.temperature
+            ),
+        ));
+    }
+}
+
+/// Axes of a spline that are left without terms that others have.
+fn warn_of_axes(channel: &ChannelSet, with_rate: bool, warnings: &mut Vec<Warning>) {
+    let with_history = channel.table.has_history();
+    for axis in &channel.axes {
+        let no_rate = axis.polynomials.iter().all(|of| of.r == [0.0; 2]);
+        if with_rate && no_rate {
+            warnings.push(Warning::of_axis(
+                WarningCode::RateTermsDropped,
+                &axis.name,
+                "rate terms do not improve what was left out of the fit by more than one standard \
+                 error; dropped",
+            ));
+        }
+        if with_history && axis.gains.iter().all(|of| of.sigma == 0.0) {
+            warnings.push(Warning::of_axis(
+                WarningCode::HistoryTermsDropped,
+                &axis.name,
+                "plays and second lag do not improve what was left out of the fit by more than one \
+                 standard error; dropped",
+            ));
+        }
+    }
+}
+
+fn warn_of_segment(segment: &SegmentSet, warnings: &mut Vec<Warning>) {
+    let name = name(segment);
+    if let Some(coverage) = segment.coverage.filter(|c| c.width < LEAST_WIDTH) {
+        warnings.push(Warning::new(
+            WarningCode::ThinSegment,
+            format!(
+                "{name}: the fitted rows span {:.0} % of it",
+                100.0 * coverage.width
+            ),
+        ));
+    }
+    if segment.condition > LARGE_CONDITION {
+        warnings.push(Warning::new(
+            WarningCode::IllConditioned,
+            format!(
+                "{name}: condition number {}, the coefficients are hardly determined",
+                figure(segment.condition)
+            ),
+        ));
+    }
+}
+
+fn warn_of_table(channel: &ChannelSet, warnings: &mut Vec<Warning>) {
+    if channel.boundary_moved_c > LARGE_MOVE_C {
+        warnings.push(Warning::new(
+            WarningCode::BoundaryMoved,
+            format!(
+                "{}: boundaries between segments lie on no common grid of 256 cells or fewer and \
+                 were moved by up to {:.3} degC",
+                channel.temperature, channel.boundary_moved_c
+            ),
+        ));
+    }
+    for (number, axis) in channel.axes.iter().enumerate() {
+        let rounding = channel.table.rounding_bound(number).total;
+        let sigma = axis.statistics.map_or(0.0, |of| of.sigma_compensated);
+        if sigma > 0.0 && rounding > LARGE_ROUNDING * sigma {
+            warnings.push(Warning::of_axis(
+                WarningCode::Rounding,
+                &axis.name,
+                format_args!(
+                    "rounding in f32 can cost {rounding:.1e}, more than {:.0} % of the bias \
+                     stability with compensation",
+                    100.0 * LARGE_ROUNDING
+                ),
+            ));
+        }
+    }
+}
+
+fn name(segment: &SegmentSet) -> String {
+    format!(
+        "segment {:.1} to {:.1} degC",
+        segment.t_min_c, segment.t_max_c
+    )
+}

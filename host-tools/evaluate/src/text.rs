@@ -1,0 +1,42 @@
+//! How figures are written in messages, tables and pages.
+
+/// A figure in four significant digits.
+pub fn figure(value: f64) -> String {
+    let magnitude = value.abs();
+    if value == 0.0 {
+        "0".to_owned()
+    } else if (1e-4..1e5).contains(&magnitude) {
+        let decimals = (3 - magnitude.log10().floor() as i32).max(0);
+        format!("{value:.*}", decimals as usize)
+    } else {
+        format!("{value:.3e}")
+    }
+}
+
+/// A share in per cent; nothing where it could not be formed.
+pub fn percent(share: f64) -> String {
+    if share.is_finite() {
+        format!("{:+.1} %", 100.0 * share)
+    } else {
+        "-".to_owned()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::figure;
+
+    #[test]
+    fn figures_have_four_digits() {
+        for (value, text) in [
+            (0.0, "0"),
+            (0.012345, "0.01235"),
+            (-1.5, "-1.500"),
+            (98765.4, "98765"),
+            (1.23456e-7, "1.235e-7"),
+            (f64::NAN, "NaN"),
+        ] {
+            assert_eq!(figure(value), text);
+        }
+    }
+}

@@ -1,0 +1,422 @@
+//! One judge: every command gives a set the same verdict, for the same reasons.
+
+use std::collections::BTreeSet;
+use std::fs;
+
+use serde_json::{Value, json};
+use tempco_evaluate::judge;
+use tempco_fit::batch::{Outcome, Summary, UnitFigures};
+use tempco_set::{CoefficientSet, RejectionCode, WarningCode};
+use tempco_tests::Bench;
+
+const ROWS: u32 = 2000;
+
+/// Rows between 10 and 40 degC, twice up and down, with noise of up to 0.02 deg/h.
+fn log(seed: u32, x: impl Fn(f64, u32) -> f64, y: impl Fn(f64, u32) -> f64) -> String {
+    let mut log = String::from("time_s,temp_c,x_dph,y_dph\n");
+    let mut random = seed;
+    let mut noise = || {
+        random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        0.04 * (f64::from(random >> 8) / f64::from(1 << 24) - 0.5)
+    };
+    for row in 0..ROWS {
+        let phase = f64::from(row) * std::f64::consts::TAU / f64::from(ROWS / 2);
+        let temp_c = 25.0 - 15.0 * phase.cos();
+        let (x, y) = (x(temp_c, row) + noise(), y(temp_c, row) + noise());
+        log.push_str(&format!("{row},{temp_c:.3},{x:.4},{y:.4}\n"));
+    }
+    log
+}
+
+fn line(temp_c: f64, _row: u32) -> f64 {
+    0.01 * temp_c
+}
+
+/// Rises twice over the range: the segments of its halves disagree in the middle.
+fn saw_tooth(temp_c: f64, _row: u32) -> f64 {
+    0.02 * (temp_c - if temp_c < 25.0 { 10.0 } else { 25.0 })
+}
+
+fn turned(temp_c: f64, row: u32) -> f64 {
+    -line(temp_c, row)
+}
+
+/// Verdict, whether it is verified, and the codes of its reasons.
+type Said = (String, bool, BTreeSet<String>);
+
+fn said(object: &Value) -> Said {
+    let codes = ["rejections", "warnings"]
+        .into_iter()
+        .flat_map(|key| object[key].as_array().unwrap())
+        .map(|reason| reason["code"].as_str().unwrap().to_owned());
+    (
+        object["verdict"].as_str().unwrap().to_owned(),
+        object["verified"].as_bool().unwrap(),
+        codes.collect(),
+    )
+}
+
+/// The same from the page of a report.
+fn said_on_page(page: &str) -> Said {
+    let section = page.split("</section>").next().unwrap();
+    let word = section.split("class=\"word\">").nth(1).unwrap();
+    let codes = section.split("<code>").skip(1);
+    (
+        word.split('<').next().unwrap().replace(' ', "_"),
+        section.contains("Verified on"),
+        codes
+            .map(|code| code.split('<').next().unwrap().to_owned())
+            .collect(),
+    )
+}
+
+/// Verdict and codes from a row of the summary of a batch.
+fn said_in_summary(csv: &[u8], serial: &str) -> (String, BTreeSet<String>) {
+    let mut reader = csv::Reader::from_reader(csv);
+    let mut rows = reader.records().map(Result::unwrap);
+    let row = rows.find(|row| &row[0] == serial).unwrap();
+    let codes = row[14].split("; ").filter(|code| !code.is_empty());
+    (row[1].to_owned(), codes.map(str::to_owned).collect())
+}
+
+struct Case {
+    name: &'static str,
+    /// The set that is changed: `line` or `saw`.
+    set: &'static str,
+    change: fn(&mut Value),
+    /// The log it is evaluated on, which is signed off unless the set has a sign-off.
+    log: &'static str,
+    verified: bool,
+    codes: &'static [&'static str],
+}
+
+const PLAIN: Case = Case {
+    name: "plain",
+    set: "line",
+    change: |_| (),
+    log: "verify.csv",
+    verified: true,
+    codes: &[],
+};
+
+fn statistics(set: &mut Value, figures: &[(&str, f64)]) {
+    let axis = &mut set["channels"][0]["axes"][1]["statistics"];
+    for (key, value) in figures {
+        axis[key] = json!(value);
+    }
+}
+
+fn held_out(set: &mut Value, figures: &[(&str, f64)]) {
+    let axis = &mut set["channels"][0]["axes"][0]["held_out"];
+    *axis = json!({"legs": 4, "folds": 2, "none": 1.0, "cubic": 0.5, "static": 0.5,
+        "composite": 0.5, "chosen": 0.5});
+    for (key, value) in figures {
+        axis[key] = json!(value);
+    }
+}
+
+fn signed_off(accepted: bool, worse_axes: &[&str]) -> Value {
+    json!({"file": "old.csv", "sha256": "00", "judged": "2020-01-01T00:00:00Z", "tau_s": 10.0,
+        "accepted": accepted, "worse_axes": worse_axes})
+}
+
+fn chosen(model: &str, rate_columns: usize, rates: &[f64]) -> Value {
+    json!({"legs": 4, "folds": 2, "ramp_rates_c_per_min": rates, "others": [],
+        "chosen": {"model": model, "segments": 2, "place": "uniform", "rate_columns": rate_columns,
+            "columns": 7, "tau_s": 60.0, "kappa": 0.0, "rmse": [0.1, 0.1], "excess": 0.0,
+            "excess_sigma": 0.1}})
+}
+
+const CASES: [Case; 26] = [
+    PLAIN,
+    Case {
+        name: "segments that disagree",
+        set: "saw",
+        log: "saw.verify.csv",
+        codes: &["segments_disagree"],
+        ..PLAIN
+    },
+    Case {
+        name: "rejected by an old sign-off",
+        change: |set| set["sign_offs"] = json!([signed_off(false, &["x"])]),
+        verified: false,
+        codes: &["no_better_than_none"],
+        ..PLAIN
+    },
+    Case {
+        name: "rejected by an old sign-off that names no axis",
+        change: |set| set["sign_offs"] = json!([signed_off(false, &[])]),
+        verified: false,
+        codes: &["no_better_than_none"],
+        ..PLAIN
+    },
+    Case {
+        name: "rejected once, then accepted",
+        change: |set| {
+            set["sign_offs"] = json!([signed_off(false, &["x"]), signed_off(true, &[])]);
+        },
+        ..PLAIN
+    },
+    Case {
+        name: "worse on one axis of the log",
+        log: "turned.csv",
+        verified: false,
+        codes: &["no_better_than_none", "residual_follows_temperature"],
+        ..PLAIN
+    },
+    Case {
+        name: "worse on both axes of the log",
+        log: "both.csv",
+        verified: false,
+        codes: &["no_better_than_none", "residual_follows_temperature"],
+        ..PLAIN
+    },
+    Case {
+        name: "worse by rmse only",
+        change: |set| statistics(set, &[("rmse_raw", 0.1), ("rmse_compensated", 0.2)]),
+        codes: &["no_better_than_none"],
+        ..PLAIN
+    },
+    Case {
+        name: "worse by sigma only",
+        change: |set| statistics(set, &[("sigma_raw", 0.1), ("sigma_compensated", 0.2)]),
+        codes: &["no_better_than_none"],
+        ..PLAIN
+    },
+    Case {
+        name: "neither better nor worse",
+        change: |set| statistics(set, &[("rmse_raw", 0.1), ("rmse_compensated", 0.1)]),
+        codes: &["no_better_than_none"],
+        ..PLAIN
+    },
+    Case {
+        name: "too short for means",
+        change: |set| {
+            statistics(set, &[("sigma_raw", 0.0), ("sigma_compensated", 0.0)]);
+            set["channels"][0]["axes"][1]["statistics"]["n"] = json!(1);
+        },
+        ..PLAIN
+    },
+    Case {
+        name: "thin",
+        change: |set| set["channels"][0]["segments"][0]["coverage"]["width"] = json!(0.7),
+        codes: &["thin_segment"],
+        ..PLAIN
+    },
+    Case {
+        name: "ill-conditioned",
+        change: |set| set["channels"][0]["segments"][1]["condition"] = json!(1000.0),
+        codes: &["ill_conditioned"],
+        ..PLAIN
+    },
+    Case {
+        name: "no better than none where it was left out",
+        change: |set| held_out(set, &[("chosen", 1.0)]),
+        codes: &["held_out_no_better"],
+        ..PLAIN
+    },
+    Case {
+        name: "a cubic is better where it was left out",
+        change: |set| held_out(set, &[("cubic", 0.4)]),
+        codes: &["simpler_model_better"],
+        ..PLAIN
+    },
+    Case {
+        name: "spikes",
+        change: |set| set["channels"][0]["screening"]["spike_rows"] = json!(7),
+        codes: &["spikes"],
+        ..PLAIN
+    },
+    Case {
+        name: "rows left out",
+        change: |set| {
+            set["channels"][0]["screening"]["excluded_rows"] = json!(7);
+            set["channels"][0]["screening"]["disturbed_rows"] = json!(7);
+        },
+        codes: &["disturbed_rows", "excluded_rows"],
+        ..PLAIN
+    },
+    Case {
+        name: "a step",
+        change: |set| {
+            let step = json!({"file": "a.csv", "axis": "x", "time_s": 9.0, "size": 1.0});
+            set["channels"][0]["screening"]["steps"] = json!([step]);
+        },
+        codes: &["bias_step"],
+        ..PLAIN
+    },
+    Case {
+        name: "rows that were not usable",
+        change: |set| set["provenance"]["inputs"][0]["unusable_rows"] = json!(3),
+        codes: &["unusable_rows"],
+        ..PLAIN
+    },
+    Case {
+        name: "a boundary that was moved",
+        change: |set| set["channels"][0]["boundary_moved_c"] = json!(0.02),
+        codes: &["boundary_moved"],
+        ..PLAIN
+    },
+    Case {
+        name: "terms that were dropped",
+        change: |set| set["settings"]["model"] = json!("composite"),
+        codes: &["terms_dropped"],
+        ..PLAIN
+    },
+    Case {
+        name: "no rate terms",
+        change: |set| set["channels"][0]["selection"] = chosen("static", 0, &[1.0, 2.0]),
+        codes: &["no_rate_terms"],
+        ..PLAIN
+    },
+    Case {
+        name: "one rate, and axes without rate terms",
+        change: |set| set["channels"][0]["selection"] = chosen("spline", 2, &[1.0]),
+        codes: &["history_terms_not_tried", "rate_terms_dropped"],
+        ..PLAIN
+    },
+    Case {
+        name: "rounding that is not small",
+        change: |set| statistics(set, &[("sigma_compensated", 1e-7)]),
+        codes: &["rounding"],
+        ..PLAIN
+    },
+    Case {
+        name: "a residual that follows the temperature",
+        log: "steeper.csv",
+        codes: &["residual_follows_temperature"],
+        ..PLAIN
+    },
+    Case {
+        name: "a log beyond the segments",
+        log: "beyond.csv",
+        codes: &["flagged_rows"],
+        ..PLAIN
+    },
+];
+
+#[test]
+fn a_set_is_judged_alike_by_all_commands() {
+    let bench = Bench::new();
+    bench.write("line.csv", &log(1, line, line));
+    bench.write("saw.csv", &log(1, saw_tooth, line));
+    for set in ["line", "saw"] {
+        let fit = format!("fit {set}.csv --serial S1 --model static --tau 10 --out {set}");
+        bench.run(&format!("{fit} --segments 10:25.5,24.5:40 --no-report"));
+    }
+    bench.write("verify.csv", &log(2, line, line));
+    bench.write("saw.verify.csv", &log(2, saw_tooth, line));
+    bench.write("turned.csv", &log(2, turned, line));
+    bench.write("both.csv", &log(2, turned, turned));
+    bench.write("steeper.csv", &log(2, |t, _| 0.015 * t, line));
+    let beyond = log(2, line, line);
+    let hot = |row: &str| row.replacen(",39.", ",41.", 1);
+    let beyond: Vec<String> = beyond.lines().map(hot).collect();
+    bench.write("beyond.csv", &(beyond.join("\n") + "\n"));
+
+    for case in CASES {
+        let name = case.name;
+        let text = fs::read_to_string(bench.path(case.set).join("coefficients.json")).unwrap();
+        let mut set: Value = serde_json::from_str(&text).unwrap();
+        (case.change)(&mut set);
+        bench.write("set.json", &set.to_string());
+        if set.get("sign_offs").is_none() {
+            bench.run(&format!(
+                "evaluate set.json {} --tau 10 --sign-off",
+                case.log
+            ));
+        }
+
+        let ran = bench.run(&format!(
+            "evaluate set.json {} --tau 10 --json --report page.html",
+            case.log
+        ));
+        let evaluated = said(&serde_json::from_str(&ran.out).unwrap());
+        let expected: BTreeSet<String> = case.codes.iter().map(|&code| code.to_owned()).collect();
+        let is_rejection = |code: &&str| RejectionCode::ALL.iter().any(|of| of.name() == *code);
+        let verdict = match case.codes {
+            [] => "accepted",
+            codes if codes.iter().any(is_rejection) => "rejected",
+            _ => "accepted_with_warnings",
+        };
+        assert_eq!(
+            evaluated,
+            (verdict.to_owned(), case.verified, expected),
+            "{name}"
+        );
+        let code = i32::from(verdict == "rejected");
+        assert_eq!(ran.code, code, "{name}: evaluate");
+
+        let page = fs::read_to_string(bench.path("page.html")).unwrap();
+        assert_eq!(said_on_page(&page), evaluated, "{name}: report");
+
+        let ran = bench.run("inspect set.json --json");
+        let inspected = said(&serde_json::from_str(&ran.out).unwrap());
+        assert_eq!(
+            (ran.code, inspected),
+            (code, evaluated.clone()),
+            "{name}: inspect"
+        );
+
+        let text = fs::read_to_string(bench.path("set.json")).unwrap();
+        let set = CoefficientSet::from_json(&text).unwrap();
+        let summary = Summary::new(vec![Outcome {
+            serial: "S1".to_owned(),
+            logs: 1,
+            result: Ok(UnitFigures::new(&set, judge(&set, None))),
+        }]);
+        let in_summary = said_in_summary(&summary.csv(), "S1");
+        assert_eq!(in_summary, (evaluated.0, evaluated.2), "{name}: batch");
+        assert_eq!(summary.is_acceptable(), code == 0, "{name}: batch");
+    }
+}
+
+#[test]
+fn fit_and_batch_judge_training_logs_alike() {
+    let bench = Bench::new();
+    let spikes = |temp_c: f64, row| line(temp_c, row) + if row % 500 == 250 { 9.0 } else { 0.0 };
+    fs::create_dir(bench.path("logs")).unwrap();
+    let logs = [
+        ("plain", log(1, line, line)),
+        ("saw", log(1, saw_tooth, line)),
+        ("spikes", log(1, spikes, line)),
+        ("noise", log(1, |_, _| 0.0, |_, _| 0.0)),
+    ];
+    for (serial, log) in &logs {
+        bench.write(&format!("logs/{serial}.csv"), log);
+    }
+    let mut seen = BTreeSet::new();
+    for model in ["static", "composite", "auto"] {
+        let options = format!("--model {model} --tau 10 --segments 10:25.5,24.5:38 --no-report");
+        let batch = bench.run(&format!("fit --batch logs --out units {options}"));
+        let summary = fs::read(bench.path("units/summary.csv")).unwrap();
+        let mut worst = 0;
+        for (serial, _) in &logs {
+            let fit = format!("fit logs/{serial}.csv --serial {serial} --out alone");
+            let ran = bench.run(&format!("{fit} {options} --json"));
+            let (verdict, verified, codes) = said(&serde_json::from_str(&ran.out).unwrap());
+            assert_eq!(ran.code, i32::from(verdict == "rejected"), "{serial}");
+            assert!(!verified);
+            let in_summary = said_in_summary(&summary, serial);
+            assert_eq!(in_summary, (verdict, codes.clone()), "{serial}");
+            worst = worst.max(ran.code);
+            seen.extend(codes);
+        }
+        assert_eq!(batch.code, worst);
+    }
+    println!("{seen:?}");
+    for code in ["segments_disagree", "spikes", "rows_outside_segments"] {
+        assert!(seen.contains(code), "{code}");
+    }
+}
+
+/// A code that a program may look for is described where people look for it.
+#[test]
+fn every_code_is_documented() {
+    let page = include_str!("../../docs/report.md");
+    let rejections = RejectionCode::ALL.iter().map(|code| code.name());
+    let warnings = WarningCode::ALL.iter().map(|code| code.name());
+    for code in rejections.chain(warnings) {
+        assert!(page.contains(&format!("| `{code}` |")), "{code}");
+    }
+}
