@@ -3,7 +3,8 @@
 use embedded_storage::nor_flash::NorFlash;
 use tempco_image::{BLOCK_LEN, CRC, contents_len};
 
-use crate::{Slot, Store, StoreError};
+use crate::StoreError;
+use crate::slot::{Slot, Slots};
 
 /// How far the periodic check has come.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,27 +47,28 @@ impl Checker {
             digest: CRC.digest(),
         }
     }
-}
 
-impl Store {
-    /// Reads on by up to `slices` times 64 bytes, at most to the end of a slot, and says what was
-    /// found. Call it again and again: A and B take turns.
-    ///
-    /// # Timing
-    /// At the start of a slot its entries are read besides.
-    pub fn check<F: NorFlash>(&mut self, flash: &mut F, slices: u32) -> Checked {
-        let slot = self.checker.slot;
-        let result = if self.checker.offset == 0 {
-            self.start_check(flash)
-        } else {
-            Ok(true)
+    /// Reads on by up to `slices` slices, at most to the end of a slot; passes over one that is
+    /// being updated.
+    pub(crate) fn check<F: NorFlash>(
+        &mut self,
+        slots: &Slots,
+        flash: &mut F,
+        slices: u32,
+        updating: Option<Slot>,
+    ) -> Checked {
+        let slot = self.slot;
+        let has_image = match self.offset {
+            0 if updating == Some(slot) => Ok(false),
+            0 => self.start(slots, flash),
+            _ => Ok(true),
         };
-        let outcome = match result {
+        let outcome = match has_image {
             Ok(false) => Checked::Passed(slot),
             Err(error) => Checked::Bad(slot, error),
             Ok(true) => {
                 // Ends with the slot, however many slices are asked for.
-                match (0..slices).find_map(|_| match self.check_slice(flash) {
+                match (0..slices).find_map(|_| match self.check_slice(slots, flash) {
                     Ok(false) => None,
                     Ok(true) => Some(Checked::Good(slot)),
                     Err(error) => Some(Checked::Bad(slot, error)),
@@ -76,43 +78,42 @@ impl Store {
                 }
             }
         };
-        self.checker = Checker::at(!slot);
+        *self = Self::at(!slot);
         outcome
     }
 
     /// Whether there is an image to check.
-    fn start_check<F: NorFlash>(&mut self, flash: &mut F) -> Result<bool, StoreError> {
-        let slot = self.checker.slot;
-        if self.updating() == Some(slot) {
-            return Ok(false);
-        }
-        let Some(record) = self.record(flash, slot) else {
+    fn start<F: NorFlash>(&mut self, slots: &Slots, flash: &mut F) -> Result<bool, StoreError> {
+        let Some(record) = slots.record(flash, self.slot) else {
             return Ok(false);
         };
-        if record.len > self.room::<F>(slot) {
+        if record.len > slots.room::<F>(self.slot) {
             return Err(StoreError::Length);
         }
-        self.checker.len = record.len;
+        self.len = record.len;
         Ok(true)
     }
 
     /// Checks the next bytes of a block, or its CRC; `true` at the end of the image.
-    fn check_slice<F: NorFlash>(&mut self, flash: &mut F) -> Result<bool, StoreError> {
-        let region = self.region(self.checker.slot);
-        let checker = &mut self.checker;
-        let contents = contents_len(checker.len as usize).ok_or(StoreError::Length)? as u32;
-        let block = checker.offset / BLOCK_LEN as u32;
+    fn check_slice<F: NorFlash>(
+        &mut self,
+        slots: &Slots,
+        flash: &mut F,
+    ) -> Result<bool, StoreError> {
+        let region = slots.region(self.slot);
+        let contents = contents_len(self.len as usize).ok_or(StoreError::Length)? as u32;
+        let block = self.offset / BLOCK_LEN as u32;
         let end = block.saturating_add(1).saturating_mul(BLOCK_LEN as u32);
         let end = end.min(contents);
-        let len = end.saturating_sub(checker.offset).min(SLICE as u32);
+        let len = end.saturating_sub(self.offset).min(SLICE as u32);
         let mut bytes = [0; SLICE];
         let bytes = bytes.get_mut(..len as usize).ok_or(StoreError::Length)?;
         flash
-            .read(region.at(checker.offset), bytes)
+            .read(region.at(self.offset), bytes)
             .map_err(StoreError::flash)?;
-        checker.digest.update(bytes);
-        checker.offset = checker.offset.saturating_add(len);
-        if checker.offset < end {
+        self.digest.update(bytes);
+        self.offset = self.offset.saturating_add(len);
+        if self.offset < end {
             return Ok(false);
         }
         let mut expected = [0; 4];
@@ -120,11 +121,11 @@ impl Store {
         flash
             .read(region.at(crc_at), &mut expected)
             .map_err(StoreError::flash)?;
-        let found = core::mem::replace(&mut checker.digest, CRC.digest()).finalize();
+        let found = core::mem::replace(&mut self.digest, CRC.digest()).finalize();
         if found != u32::from_le_bytes(expected) {
             let block = block as usize;
             return Err(StoreError::Image(tempco_image::ImageError::Crc { block }));
         }
-        Ok(checker.offset == contents)
+        Ok(self.offset == contents)
     }
 }

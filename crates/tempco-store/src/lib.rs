@@ -60,6 +60,7 @@ mod faults;
 mod journal;
 mod offsets;
 mod region;
+mod slot;
 mod store;
 mod update;
 
@@ -69,4 +70,5 @@ pub use error::StoreError;
 pub use faults::{Fault, FaultLog};
 pub use offsets::Offsets;
 pub use region::Region;
-pub use store::{Active, Boot, Slot, SlotState, Store};
+pub use slot::Slot;
+pub use store::{Active, Boot, SlotState, Store};

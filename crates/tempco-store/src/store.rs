@@ -1,88 +1,12 @@
-//! The two slots: which one is in use, and how it is found.
-
-use core::ops::Not;
+//! The table in use: how it is found at boot, updated, selected and checked.
 
 use embedded_storage::nor_flash::NorFlash;
 use tempco_image::{CRC, Image, ImageError};
 
-use crate::check::Checker;
-use crate::entry::Strip;
+use crate::check::{Checked, Checker};
+use crate::slot::{Record, Slot, Slots};
 use crate::update::Update;
 use crate::{Region, StoreError};
-
-/// Places for entries in a slot: one for the update, the others for selections.
-const ENTRIES: u32 = 8;
-
-const MAGIC: u32 = u32::from_le_bytes(*b"TCS1");
-
-/// Words of an entry.
-const WORDS: usize = 7;
-
-/// Bytes of the places for entries.
-const fn entries_len<F: NorFlash>() -> u32 {
-    ENTRIES * Strip::<WORDS>::stride::<F>()
-}
-
-/// One of the two copies.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Slot {
-    /// The first one.
-    A,
-    /// The second one.
-    B,
-}
-
-impl Slot {
-    /// Both.
-    pub const ALL: [Self; 2] = [Self::A, Self::B];
-
-    /// One of two things.
-    pub(crate) fn of<T>(self, [a, b]: [T; 2]) -> T {
-        match self {
-            Self::A => a,
-            Self::B => b,
-        }
-    }
-}
-
-impl Not for Slot {
-    type Output = Self;
-    fn not(self) -> Self {
-        match self {
-            Self::A => Self::B,
-            Self::B => Self::A,
-        }
-    }
-}
-
-/// The latest entry of a slot: what the slot should hold.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Record {
-    pub(crate) sequence: u32,
-    pub(crate) len: u32,
-    pub(crate) crc: u32,
-}
-
-impl Record {
-    pub(crate) const fn words(self) -> [u32; WORDS] {
-        let blank = u32::MAX;
-        [
-            MAGIC,
-            self.sequence,
-            self.len,
-            self.crc,
-            blank,
-            blank,
-            blank,
-        ]
-    }
-
-    fn from_words(words: [u32; WORDS]) -> Option<Self> {
-        let [magic, sequence, len, crc, ..] = words;
-        (magic == MAGIC).then_some(Self { sequence, len, crc })
-    }
-}
 
 /// The table in use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -122,13 +46,13 @@ pub struct Boot {
 
 /// Two slots of flash. The flash is given to each method, since it usually is shared.
 pub struct Store {
-    regions: [Region; 2],
+    slots: Slots,
     /// What boot would choose, as far as is known.
-    pub(crate) current: Option<Slot>,
+    current: Option<Slot>,
     /// The current one was chosen after the last boot.
-    pub(crate) is_new: bool,
-    pub(crate) update: Option<Update>,
-    pub(crate) checker: Checker,
+    is_new: bool,
+    update: Option<Update>,
+    checker: Checker,
 }
 
 impl Store {
@@ -137,15 +61,8 @@ impl Store {
     /// # Errors
     /// Regions that overlap, are not made of whole sectors, or have no room for an image.
     pub fn new<F: NorFlash>(flash: &F, a: Region, b: Region) -> Result<Self, StoreError> {
-        a.check(flash)?;
-        b.check(flash)?;
-        let least = 2 * entries_len::<F>();
-        let entries_fit = entries_len::<F>() <= F::ERASE_SIZE as u32;
-        if a.overlaps(b) || a.len < least || b.len < least || !entries_fit {
-            return Err(StoreError::Region);
-        }
         Ok(Self {
-            regions: [a, b],
+            slots: Slots::new(flash, a, b)?,
             current: None,
             is_new: false,
             update: None,
@@ -170,7 +87,7 @@ impl Store {
         buffer: &mut [u8],
         mut accept: impl FnMut(&Image) -> Result<(), ImageError>,
     ) -> Boot {
-        let records = Slot::ALL.map(|slot| self.record(flash, slot));
+        let records = Slot::ALL.map(|slot| self.slots.record(flash, slot));
         let sequence = |slot: Slot| slot.of(records).map_or(0, |record| record.sequence);
         let latest = if sequence(Slot::A) > sequence(Slot::B) {
             Slot::A
@@ -185,7 +102,8 @@ impl Store {
             if active.is_some() {
                 return SlotState::Standby;
             }
-            match self.load(flash, slot, record, buffer, &mut accept) {
+            let loaded = self.slots.load(flash, slot, record, buffer, &mut accept);
+            match loaded {
                 Ok(()) => {
                     active = Some(Active {
                         slot,
@@ -225,12 +143,110 @@ impl Store {
         if self.current == Some(slot) {
             return Ok(());
         }
-        let record = self.record(flash, slot).ok_or(StoreError::Empty)?;
-        self.load(flash, slot, record, buffer, accept)?;
+        let record = self.slots.record(flash, slot).ok_or(StoreError::Empty)?;
+        self.slots.load(flash, slot, record, buffer, accept)?;
         self.choose(flash, slot, record.len, record.crc)
     }
 
-    pub(crate) fn expect_booted(&self) -> Result<(), StoreError> {
+    /// Begins an update with an image of `len` bytes in the slot that is not in use, and returns
+    /// the slot. What was there is lost. An update under way is begun again.
+    ///
+    /// # Errors
+    /// A length that is no multiple of 4 or does not fit, a table chosen since the last boot, or a failing flash.
+    ///
+    /// # Timing
+    /// Erases one sector.
+    pub fn begin<F: NorFlash>(&mut self, flash: &mut F, len: u32) -> Result<Slot, StoreError> {
+        self.expect_booted()?;
+        self.end_update();
+        let slot = match self.current {
+            Some(current) => !current,
+            None => self.slots.older(flash),
+        };
+        self.update = Some(Update::begin(&self.slots, flash, slot, len)?);
+        Ok(slot)
+    }
+
+    /// Takes a chunk and returns where the next one begins. One that was taken before is compared
+    /// and otherwise passed over, so that a chunk may come twice.
+    ///
+    /// # Errors
+    /// [`StoreError::Offset`] for a chunk that comes too early, [`StoreError::Different`] for one
+    /// that came before with other contents, [`StoreError::Unaligned`] for one, not being the
+    /// last, that is not made of whole words of the flash (and of 4 bytes); nothing has changed then. A failing
+    /// flash ends the update.
+    ///
+    /// # Timing
+    /// Erases the sectors that are begun: one, for chunks up to its size, or two.
+    pub fn write<F: NorFlash>(
+        &mut self,
+        flash: &mut F,
+        offset: u32,
+        chunk: &[u8],
+    ) -> Result<u32, StoreError> {
+        let update = self.update.ok_or(StoreError::Incomplete)?;
+        let Some(end) = update.new_end(&self.slots, flash, offset, chunk)? else {
+            return Ok(update.written());
+        };
+        let programmed = update.program(&self.slots, flash, chunk, end);
+        self.update = programmed.ok();
+        programmed.map(|update| update.written())
+    }
+
+    /// How far the update under way has come: where the next chunk begins.
+    pub fn expected(&self) -> Option<u32> {
+        self.update.map(|update| update.written())
+    }
+
+    /// Ends the update: reads the image back into `buffer` (aligned to 4 bytes), compares length
+    /// and CRC-32P4 of all its bytes with what the sender says, checks it, asks `accept`, and only
+    /// then chooses it. It takes effect by [`boot`](Self::boot).
+    ///
+    /// # Errors
+    /// [`StoreError::Incomplete`] before the last chunk; why the image is not good. The table in
+    /// use stays in use. After an image that is not good the update must begin again.
+    pub fn commit<F: NorFlash>(
+        &mut self,
+        flash: &mut F,
+        len: u32,
+        crc: u32,
+        buffer: &mut [u8],
+        accept: impl FnMut(&Image) -> Result<(), ImageError>,
+    ) -> Result<(), StoreError> {
+        let complete = |update: &Update| update.is_complete(len);
+        let update = self.update.filter(complete).ok_or(StoreError::Incomplete)?;
+        self.end_update();
+        let record = Record {
+            sequence: 0,
+            len,
+            crc,
+        };
+        self.slots
+            .load(flash, update.slot(), record, buffer, accept)?;
+        self.choose(flash, update.slot(), len, crc)
+    }
+
+    /// The CRC-32P4 that [`commit`](Self::commit) expects, for senders.
+    pub fn crc(image: &[u8]) -> u32 {
+        CRC.checksum(image)
+    }
+
+    /// Reads on by up to `slices` times 64 bytes, at most to the end of a slot, and says what was
+    /// found. Call it again and again: A and B take turns.
+    ///
+    /// # Timing
+    /// At the start of a slot its entries are read besides.
+    pub fn check<F: NorFlash>(&mut self, flash: &mut F, slices: u32) -> Checked {
+        let updating = self.update.map(|update| update.slot());
+        self.checker.check(&self.slots, flash, slices, updating)
+    }
+
+    /// The longest image of a slot \[bytes\].
+    pub fn room<F: NorFlash>(&self, slot: Slot) -> u32 {
+        self.slots.room::<F>(slot)
+    }
+
+    fn expect_booted(&self) -> Result<(), StoreError> {
         if self.is_new {
             Err(StoreError::NotBooted)
         } else {
@@ -238,78 +254,23 @@ impl Store {
         }
     }
 
-    /// Programs the entry by which a slot becomes the one in use.
-    pub(crate) fn choose<F: NorFlash>(
+    fn choose<F: NorFlash>(
         &mut self,
         flash: &mut F,
         slot: Slot,
         len: u32,
         crc: u32,
     ) -> Result<(), StoreError> {
-        let records = Slot::ALL.map(|slot| self.record(flash, slot));
-        let sequences = records.into_iter().flatten().map(|record| record.sequence);
-        let sequence = sequences.max().unwrap_or(0).checked_add(1);
-        let record = Record {
-            sequence: sequence.ok_or(StoreError::Full)?,
-            len,
-            crc,
-        };
-        let strip = self.strip::<F>(slot);
-        let free = strip.free(flash);
-        strip.append(flash, free, &record.words())?;
+        self.slots.choose(flash, slot, len, crc)?;
         self.current = Some(slot);
         self.is_new = true;
         self.end_update();
         Ok(())
     }
 
-    /// Loads a slot's image and checks it.
-    pub(crate) fn load<F: NorFlash>(
-        &self,
-        flash: &mut F,
-        slot: Slot,
-        record: Record,
-        buffer: &mut [u8],
-        mut accept: impl FnMut(&Image) -> Result<(), ImageError>,
-    ) -> Result<(), StoreError> {
-        let len = record.len as usize;
-        let buffer = buffer.get_mut(..len).ok_or(StoreError::Length)?;
-        if record.len > self.room::<F>(slot) {
-            return Err(StoreError::Length);
-        }
-        flash
-            .read(self.region(slot).start, buffer)
-            .map_err(StoreError::flash)?;
-        if CRC.checksum(buffer) != record.crc {
-            return Err(StoreError::Different);
-        }
-        let image = Image::read(buffer).map_err(StoreError::Image)?;
-        if image.bytes().len() != len {
-            return Err(StoreError::Length);
-        }
-        accept(&image).map_err(StoreError::Image)
-    }
-
-    /// The latest entry of a slot.
-    pub(crate) fn record<F: NorFlash>(&self, flash: &mut F, slot: Slot) -> Option<Record> {
-        let records = self.strip::<F>(slot).entries(flash);
-        let records = records.filter_map(Record::from_words);
-        records.max_by_key(|record| record.sequence)
-    }
-
-    pub(crate) fn region(&self, slot: Slot) -> Region {
-        slot.of(self.regions)
-    }
-
-    fn strip<F: NorFlash>(&self, slot: Slot) -> Strip<WORDS> {
-        Strip {
-            start: self.region(slot).at(self.room::<F>(slot)),
-            count: ENTRIES,
-        }
-    }
-
-    /// The longest image of a slot \[bytes\].
-    pub fn room<F: NorFlash>(&self, slot: Slot) -> u32 {
-        self.region(slot).len.saturating_sub(entries_len::<F>())
+    /// No update is under way any more; what was being checked may be another image.
+    fn end_update(&mut self) {
+        self.update = None;
+        self.checker = Checker::default();
     }
 }
