@@ -3,8 +3,9 @@
 use std::io::{self, Write};
 
 use crate::decimal::{push_decimal, push_integer, push_shortest};
+use crate::output::Output;
 use crate::simulation::{Sample, Simulation};
-use crate::unit::{AXIS_NAMES, Output, Unit};
+use crate::unit::{AXIS_NAMES, Unit};
 
 const BUFFER_BYTES: usize = 1 << 16;
 

@@ -1,10 +1,10 @@
-//! From the rate a gyro feels to the numbers it puts out.
+//! The fast noise of a gyro, from the angle that it turns to its output.
 
 use serde::Deserialize;
 
 use crate::check::{Invalid, Range};
 use crate::normal::{NormalSource, Stream};
-use crate::unit::{Output, Unit};
+use crate::output::Quantiser;
 
 /// Fast noise of a gyro.
 ///
@@ -50,8 +50,13 @@ pub(crate) struct GyroChannel {
 
 impl GyroChannel {
     /// Channel of one axis for samples `interval_s` apart.
-    pub(crate) fn new(unit: &Unit, interval_s: f64, seed: u64, axis: usize) -> Self {
-        let noise = &unit.axes[axis].noise;
+    pub(crate) fn new(
+        noise: &GyroNoise,
+        quantiser: Quantiser,
+        interval_s: f64,
+        seed: u64,
+        axis: usize,
+    ) -> Self {
         let mut white = NormalSource::new(seed, Stream::AngleNoise(axis));
         Self {
             walk: NormalSource::new(seed, Stream::AngleWalk(axis)),
@@ -59,7 +64,7 @@ impl GyroChannel {
             white_sigma: noise.angle_white_noise,
             white_angle: noise.angle_white_noise * white.next(),
             white,
-            quantiser: Quantiser::new(unit, interval_s),
+            quantiser,
         }
     }
 
@@ -76,61 +81,16 @@ impl GyroChannel {
     }
 }
 
-/// Most pulses of a sample: above, not every whole number is an `f64`.
-const MOST_PULSES: f64 = (1_u64 << 53) as f64;
-
-/// Whole numbers of an angle increment.
-#[derive(Debug, Clone)]
-enum Quantiser {
-    /// Counts pulses; the rest of the angle is carried, so that none is lost.
-    Pulses {
-        /// Pulses per rate unit times s.
-        pulses: f64,
-        /// Angle turned since the last whole pulse, 0..1.
-        rest: f64,
-    },
-    /// Rounds the mean rate to steps, within a full scale.
-    Rate {
-        /// Steps per rate unit times s.
-        steps: f64,
-        most: f64,
-    },
-}
-
-impl Quantiser {
-    fn new(unit: &Unit, interval_s: f64) -> Self {
-        match unit.output {
-            Output::Pulses {
-                scale_factor_arcsec,
-            } => Self::Pulses {
-                pulses: unit.rate_unit.arcsec_per_angle(scale_factor_arcsec) / scale_factor_arcsec,
-                rest: 0.0,
-            },
-            Output::Rate { step, full_scale } => Self::Rate {
-                steps: 1.0 / (interval_s * step),
-                most: (full_scale / step).floor(),
-            },
-        }
-    }
-
-    fn count(&mut self, angle: f64) -> i64 {
-        match self {
-            Self::Pulses { pulses, rest } => {
-                let angle_pulses = *rest + angle * *pulses;
-                let whole = angle_pulses.floor();
-                *rest = angle_pulses - whole;
-                whole.clamp(-MOST_PULSES, MOST_PULSES) as i64
-            }
-            Self::Rate { steps, most } => {
-                (angle * *steps + 0.5).floor().clamp(-*most, *most) as i64
-            }
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::output::Output;
+    use crate::unit::Unit;
+
+    fn channel(unit: &Unit, interval_s: f64, seed: u64, axis: usize) -> GyroChannel {
+        let quantiser = Quantiser::new(unit.output, unit.rate_unit, interval_s);
+        GyroChannel::new(&unit.axes[axis].noise, quantiser, interval_s, seed, axis)
+    }
 
     fn paper() -> Unit {
         Unit::named("paper").unwrap()
@@ -153,7 +113,7 @@ mod tests {
 
     #[test]
     fn counting_pulses_loses_no_angle() {
-        let mut channel = GyroChannel::new(&quiet(), 0.5, 1, 0);
+        let mut channel = channel(&quiet(), 0.5, 1, 0);
         let mut source = NormalSource::new(3, Stream::Rows);
         let (mut angle, mut pulses) = (0.0, 0);
         for _ in 0..100_000 {
@@ -169,7 +129,7 @@ mod tests {
     #[test]
     fn noise_of_100_s_means_of_the_paper_unit_is_as_documented() {
         for bias in [0.0173, -0.02, 0.0] {
-            let mut channel = GyroChannel::new(&paper(), 0.5, 5, 2);
+            let mut channel = channel(&paper(), 0.5, 5, 2);
             let means: Vec<f64> = (0..2000)
                 .map(|_| (0..200).map(|_| channel.count(bias * 0.5)).sum::<i64>() as f64 / 100.0)
                 .collect();
@@ -180,7 +140,7 @@ mod tests {
 
     /// Overlapping Allan deviation of the counts of a resting channel, over `m` samples.
     fn allan(unit: &Unit, rate_hz: f64, m: usize) -> f64 {
-        let mut channel = GyroChannel::new(unit, 1.0 / rate_hz, 4, 0);
+        let mut channel = channel(unit, 1.0 / rate_hz, 4, 0);
         let mut angles = vec![0];
         for _ in 0..400_000 {
             angles.push(angles.last().unwrap() + channel.count(0.37 / rate_hz));
@@ -232,7 +192,7 @@ mod tests {
             },
             ..quiet()
         };
-        let mut channel = GyroChannel::new(&unit, 0.5, 1, 0);
+        let mut channel = channel(&unit, 0.5, 1, 0);
         let mut count = |rate: f64| channel.count(rate * 0.5);
         assert_eq!(
             [0.0, 0.3, -0.4, 9.99, 500.0, -500.0].map(&mut count),
@@ -250,6 +210,6 @@ mod tests {
             ..quiet()
         };
         // 36 deg/h are 36 arcsec/s, 18 arcsec in half a second.
-        assert_eq!(GyroChannel::new(&unit, 0.5, 1, 0).count(18.1), 36);
+        assert_eq!(channel(&unit, 0.5, 1, 0).count(18.1), 36);
     }
 }

@@ -10,6 +10,7 @@ use crate::error::SimulationError;
 use crate::events::{Fault, FaultKind, Flags};
 use crate::gyro::GyroChannel;
 use crate::normal::{NormalSource, Stream};
+use crate::output::Quantiser;
 use crate::propagator::{Propagator, Settled};
 use crate::sensor::TemperatureSensor;
 use crate::thermal::ThermalState;
@@ -94,7 +95,7 @@ impl Simulation {
         let mut thermal_bias = ThermalBiases::new(unit, &heat.state);
         let mut drifts =
             core::array::from_fn(|axis| DriftState::new(&unit.axes[axis].drift, seed, axis));
-        let arcsec = unit.arcsec_per_angle();
+        let arcsec = unit.output.arcsec_per_angle(unit.rate_unit);
         let tone = |(index, tone)| ToneState::new(tone, seed, index);
         let mut run = Self {
             bias: bias(&mut thermal_bias, &heat.state, &mut drifts, 0.0),
@@ -112,7 +113,10 @@ impl Simulation {
             // 1 deg/h is 1 arcsec/s.
             input_rate: profile.programme().input_rate_dph.map(|rate| rate / arcsec),
             sensor: TemperatureSensor::new(&unit.temperature, seed),
-            gyros: core::array::from_fn(|axis| GyroChannel::new(unit, interval_s, seed, axis)),
+            gyros: core::array::from_fn(|axis| {
+                let quantiser = Quantiser::new(unit.output, unit.rate_unit, interval_s);
+                GyroChannel::new(&unit.axes[axis].noise, quantiser, interval_s, seed, axis)
+            }),
             losses: NormalSource::new(seed, Stream::Rows),
         };
         run.disturbance = run.disturbance_at(0.0);
@@ -132,7 +136,7 @@ impl Simulation {
         }
         let motions = &self.profile.programme().motion;
         if !motions.is_empty() {
-            let arcsec = self.unit.arcsec_per_angle();
+            let arcsec = self.unit.output.arcsec_per_angle(self.unit.rate_unit);
             for motion in motions {
                 add(
                     &mut sum,
