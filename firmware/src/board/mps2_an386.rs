@@ -25,6 +25,12 @@ pub mod nor;
     feature = "board-mps2-an386",
     feature = "application"
 ))]
+mod registers;
+#[cfg(all(
+    target_os = "none",
+    feature = "board-mps2-an386",
+    feature = "application"
+))]
 mod uart;
 
 #[cfg(all(

@@ -16,7 +16,7 @@ use embedded_io::Read as _;
 use tempco_replay::Outcome;
 use tempco_sensors::SensorFault;
 
-use super::application::registers;
+use super::registers;
 use super::uart::Uart;
 use crate::unit::devices::{AtRest, Gyro, Thermometers};
 

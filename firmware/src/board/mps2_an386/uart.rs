@@ -6,10 +6,9 @@ use core::convert::Infallible;
 use critical_section::Mutex;
 use embedded_io::{ErrorType, Read, ReadReady, Write};
 use heapless::spsc::{Consumer, Producer, Queue};
-use volatile_register::RW;
 
-use super::application::registers;
 use super::interrupts::interrupt;
+use super::registers::{self, UartRegisters};
 
 /// Bytes that may wait for the main loop: 5 ms at 921600 baud.
 const RECEIVED: usize = 512;
@@ -26,26 +25,16 @@ const RX_ENABLE: u32 = 2;
 const RX_INTERRUPT: u32 = 8;
 const RX_INTERRUPT_CLEAR: u32 = 2;
 
-/// As in the technical reference manual of the Cortex-M System Design Kit.
-#[repr(C)]
-pub(super) struct Registers {
-    data: RW<u32>,
-    state: RW<u32>,
-    control: RW<u32>,
-    interrupt: RW<u32>,
-    baud_divider: RW<u32>,
-}
-
 /// A UART, as the main loop sees it.
 pub struct Uart {
-    registers: &'static Registers,
+    registers: &'static UartRegisters,
     received: Consumer<'static, u8>,
 }
 
 /// The receiving side, in its interrupt.
 struct Receiver {
     /// A function, since a reference to registers cannot be handed to an interrupt.
-    registers: fn() -> &'static Registers,
+    registers: fn() -> &'static UartRegisters,
     received: Producer<'static, u8>,
 }
 
@@ -69,7 +58,7 @@ impl Uart {
 
     fn new(
         number: usize,
-        at: fn() -> &'static Registers,
+        at: fn() -> &'static UartRegisters,
         queue: &'static mut Queue<u8, RECEIVED>,
     ) -> Self {
         let (producer, consumer) = queue.split();
