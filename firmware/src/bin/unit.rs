@@ -20,6 +20,7 @@ mod image {
     use tempco_firmware::stack;
     use tempco_firmware::unit::devices::{Gyro, ResetCause};
     use tempco_firmware::unit::exchange::{Counts, Queues};
+    use tempco_firmware::unit::offsets::Offsets;
     use tempco_firmware::unit::rezero::Limits;
     use tempco_firmware::unit::storage::Storage;
     use tempco_firmware::unit::{
@@ -87,9 +88,17 @@ mod image {
         let (interrupt_ends, ends) = queues.split(&COUNTS);
         let scale = scale::<BoardGyro, CHANNELS, AXES>(image.as_ref(), SCHEDULE.sample_rate_hz);
         let limits = Limits::of::<BoardGyro>(&scale, SCHEDULE.sample_rate_hz);
-        let offsets = limits.within(storage.offsets(tables.map_or(0, |(_, crc)| crc)));
+        let kept = storage.offsets(tables.map_or(0, |(_, crc)| crc));
+        let offsets = Offsets::new(kept, limits);
         let tables_only = tables.map(|(tables, _)| tables);
-        let sampling = Sampling::new(gyro, interrupt_ends, tables_only, SCHEDULE, scale, offsets);
+        let sampling = Sampling::new(
+            gyro,
+            interrupt_ends,
+            tables_only,
+            SCHEDULE,
+            scale,
+            *offsets.in_use(),
+        );
         // In its place before the first interrupt, which would else have to move it.
         let sampling = singleton!(: BoardSampling = sampling)?;
 
@@ -103,7 +112,6 @@ mod image {
             ends,
             clock,
             schedule: SCHEDULE,
-            limits,
             scale_factor_arcsec: <BoardGyro as Gyro<CHANNELS, AXES>>::SCALE_FACTOR_ARCSEC,
             stack_is_sound: stack::is_sound,
             knows_the_answer: known_answer::is_right,

@@ -59,8 +59,8 @@ impl Health {
         }
     }
 
-    /// Notes a fault; whether it was not present before, and so belongs into the log.
-    pub fn note(&mut self, fault: Fault, now_ms: u32) -> bool {
+    /// Records a fault; whether it was not present before, and so belongs into the log.
+    pub fn record(&mut self, fault: Fault, now_ms: u32) -> bool {
         let is_new = !self.present.contains(fault);
         self.present |= fault.into();
         if let Some(seen_ms) = self.seen_ms.get_mut(usize::from(fault.code())) {
@@ -147,9 +147,9 @@ mod tests {
     #[test]
     fn faults_heal_but_those_of_the_last_reset() {
         let mut health = Health::new();
-        assert!(health.note(Fault::SensorOpen, u32::MAX));
-        assert!(!health.note(Fault::SensorOpen, 100), "it is known");
-        assert!(health.note(Fault::Crash, 100));
+        assert!(health.record(Fault::SensorOpen, u32::MAX));
+        assert!(!health.record(Fault::SensorOpen, 100), "it is known");
+        assert!(health.record(Fault::Crash, 100));
         health.heal(1100);
         assert!(health.present().contains(Fault::SensorOpen));
         health.heal(1101);

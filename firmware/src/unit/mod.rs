@@ -9,12 +9,12 @@
 //! - [`devices`]: what it needs of a board
 //! - [`Sampling`]: all that the interrupt does
 //! - [`exchange`]: the queues between interrupt and main loop
-//! - [`Unit`]: the main loop, one pass at a time
-//! - [`service`]: carries out requests of the link
+//! - [`Unit`]: the main loop, one pass at a time; its work is in `service`, with `requests` of the
+//!   link, `replays` of logs and `self_test` apart
 //! - [`storage`]: tables, fault log and offsets in the flash
 //! - [`thermometry`]: temperatures on schedule, and what is wrong with the sensors
-//! - [`rezero`]: the constant bias at rest
-//! - [`health`]: faults that are present, their log, the watchdog's rule
+//! - [`offsets`]: the constant biases, which a [`rezero`] finds at rest
+//! - [`health`]: faults that are present, the watchdog's rule
 //! - [`known_answer`]: whether this processor computes what it should
 //!
 //! Nothing here knows a processor: the host runs the same code in tests.
@@ -28,15 +28,25 @@ pub mod devices;
 pub mod exchange;
 pub mod health;
 pub mod known_answer;
+mod load;
 mod main_loop;
+mod mean;
+pub mod offsets;
+mod parts;
+mod recent;
 mod replays;
+mod requests;
 pub mod rezero;
 mod sampling;
-pub mod service;
+mod self_test;
+mod service;
 pub mod storage;
 pub mod thermometry;
+mod time;
+mod wire;
 
-pub use main_loop::{Next, Parts, Unit, scale};
+pub use main_loop::{Next, Unit};
+pub use parts::{Parts, scale};
 pub use sampling::Sampling;
 
 use tempco::{Schedule, Stream, Table};

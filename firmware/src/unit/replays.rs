@@ -1,14 +1,13 @@
 //! Logs in place of the gyro: rows through a compensator of their own, blocks through the sampling
 //! interrupt.
 
-use tempco_link::{
-    Axes, ChannelTelemetry, Channels, Outcome, OutcomeBlock, Refusal, Response, Sample, SampleBlock,
-};
+use tempco_link::{Outcome, OutcomeBlock, Refusal, Response, Sample, SampleBlock};
 use tempco_replay::{Outcome as Replayed, Replay, Sample as ReplayedSample};
 
 use super::devices::{Flash, SampleClock, Thermometers};
 use super::exchange::Injected;
-use super::service::{PerAxis, Service};
+use super::service::Service;
+use super::wire::{array, axes, channels, per_axis};
 
 impl<F, T, K, const C: usize, const A: usize> Service<'_, F, T, K, C, A>
 where
@@ -115,28 +114,4 @@ where
         }
         None
     }
-}
-
-pub(super) fn channels<const C: usize, const A: usize>(
-    outcome: &Replayed<C, A>,
-) -> Channels<ChannelTelemetry> {
-    let channels = outcome.channels.iter().map(|channel| ChannelTelemetry {
-        effective_c: channel.effective_c,
-        rate_c_per_min: channel.rate_c_per_min,
-        status: channel.flags().bits(),
-    });
-    channels.collect()
-}
-
-pub(super) fn axes<const C: usize, const A: usize>(values: &PerAxis<C, A>) -> Axes {
-    values.as_flattened().iter().copied().collect()
-}
-
-fn array<const C: usize>(values: &[f32]) -> Option<[f32; C]> {
-    values.try_into().ok()
-}
-
-pub(super) fn per_axis<const C: usize, const A: usize>(values: &[f32]) -> Option<PerAxis<C, A>> {
-    let (channels, rest) = values.as_chunks::<A>();
-    rest.is_empty().then(|| channels.try_into().ok()).flatten()
 }

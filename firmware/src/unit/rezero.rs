@@ -1,4 +1,4 @@
-//! The constant bias at rest, found without a chamber.
+//! Re-zero: the constant bias at rest, found without a chamber.
 //!
 //! Only at rest: an averaging is given up as soon as a status is not valid or short means scatter
 //! far beyond the gyro's noise, and what it finds is not kept beyond a limit.
@@ -6,67 +6,7 @@
 use tempco::{Status, Validity};
 
 use super::devices::Gyro;
-
-/// Samples that are added up in single precision before they are taken over in double precision.
-const BLOCK: u16 = 256;
-
-/// Sums of one thing per axis.
-#[derive(Clone, Copy, Debug)]
-pub struct Mean<const C: usize, const A: usize> {
-    block: [[f32; A]; C],
-    in_block: u16,
-    sum: [[f64; A]; C],
-    count: u32,
-}
-
-impl<const C: usize, const A: usize> Default for Mean<C, A> {
-    fn default() -> Self {
-        Self {
-            block: [[0.0; A]; C],
-            in_block: 0,
-            sum: [[0.0; A]; C],
-            count: 0,
-        }
-    }
-}
-
-impl<const C: usize, const A: usize> Mean<C, A> {
-    /// Takes values, channel by channel.
-    pub fn add(&mut self, values: [&[f32; A]; C]) {
-        for (block, values) in self.block.iter_mut().zip(values) {
-            for (sum, value) in block.iter_mut().zip(values) {
-                *sum += value;
-            }
-        }
-        self.in_block += 1;
-        self.count = self.count.saturating_add(1);
-        if self.in_block == BLOCK {
-            self.fold();
-        }
-    }
-
-    /// How many samples it is of.
-    pub const fn count(&self) -> u32 {
-        self.count
-    }
-
-    /// The means; zeros of nothing.
-    pub fn means(mut self) -> [[f32; A]; C] {
-        self.fold();
-        let count = f64::from(self.count.max(1));
-        self.sum.map(|sums| sums.map(|sum| (sum / count) as f32))
-    }
-
-    fn fold(&mut self) {
-        for (sums, block) in self.sum.iter_mut().zip(&mut self.block) {
-            for (sum, value) in sums.iter_mut().zip(block) {
-                *sum += f64::from(*value);
-                *value = 0.0;
-            }
-        }
-        self.in_block = 0;
-    }
-}
+use super::mean::Mean;
 
 /// What a gyro at rest stays within.
 #[derive(Clone, Copy, Debug)]
@@ -86,14 +26,6 @@ impl<const C: usize, const A: usize> Limits<C, A> {
         Self {
             sigma: in_unit(G::AT_REST.sigma),
             max_bias: in_unit(G::AT_REST.max_bias),
-        }
-    }
-
-    /// These constant biases; none at all where one is beyond its limit.
-    pub fn within(&self, offsets: [[f32; A]; C]) -> [[f32; A]; C] {
-        match self.beyond(&offsets) {
-            None => offsets,
-            Some(_) => [[0.0; A]; C],
         }
     }
 
@@ -267,18 +199,6 @@ mod tests {
         sigma: [[1.0]],
         max_bias: [[2.0]],
     };
-
-    #[test]
-    fn the_mean_of_an_hour_is_right_to_single_precision() {
-        let mut mean = Mean::<1, 2>::default();
-        for number in 0..7_200_000_u32 {
-            let noise = (number % 7) as f32 - 3.0;
-            mean.add([&[0.013 + noise, 1234.5]]);
-        }
-        let [[small, large]] = mean.means();
-        assert!((small - 0.013).abs() < 1e-6, "{small}");
-        assert_eq!(large, 1234.5);
-    }
 
     #[test]
     fn what_the_gyro_should_show_is_no_bias() {

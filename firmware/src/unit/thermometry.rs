@@ -23,6 +23,9 @@ pub struct Thermometry<T, const C: usize> {
     sensors: [Sensor; C],
     starting: Vec<[f32; C], STARTING>,
     tries: u8,
+    /// Gyro samples at the last reading, and the number of readings.
+    read_at: u32,
+    readings: u32,
 }
 
 #[derive(Clone, Copy)]
@@ -49,12 +52,30 @@ impl<T: Thermometers<C>, const C: usize> Thermometry<T, C> {
             sensors: [sensor; C],
             starting: Vec::new(),
             tries: 0,
+            read_at: 0,
+            readings: 0,
         }
+    }
+
+    /// Whether to read now, given the number of gyro samples and the interrupt's schedule, so that
+    /// its next temperatures are there in time.
+    pub fn is_due(&mut self, samples: u32, samples_per_update: u16) -> bool {
+        let period = u32::from(samples_per_update).max(1);
+        // After a long stall the readings that were missed are not made up for.
+        let periods = samples.wrapping_sub(self.read_at) / period;
+        self.read_at = self.read_at.wrapping_add(periods * period);
+        periods > 0
+    }
+
+    /// The number of readings since power-on.
+    pub const fn readings(&self) -> u32 {
+        self.readings
     }
 
     /// Reads every sensor; the temperatures for the compensator, NaN where there is none, or
     /// nothing while the sensors start \[degC\].
     pub fn read(&mut self) -> Option<[f32; C]> {
+        self.readings = self.readings.wrapping_add(1);
         let readings = self.thermometers.read();
         for (sensor, reading) in self.sensors.iter_mut().zip(readings) {
             sensor.take(reading, T::STUCK_AFTER);

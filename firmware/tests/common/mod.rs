@@ -16,6 +16,7 @@ use tempco_firmware::unit::devices::{
 };
 use tempco_firmware::unit::exchange::{Counts, Queues};
 use tempco_firmware::unit::known_answer;
+use tempco_firmware::unit::offsets::Offsets;
 use tempco_firmware::unit::rezero::Limits;
 use tempco_firmware::unit::storage::Storage;
 use tempco_firmware::unit::{
@@ -264,14 +265,14 @@ impl Bench {
         let (interrupt_ends, ends) = queues.split(&counts);
         let scale = scale::<Counter, CHANNELS, AXES>(image.as_ref(), SCHEDULE.sample_rate_hz);
         let limits = Limits::of::<Counter>(&scale, SCHEDULE.sample_rate_hz);
-        let offsets = limits.within(storage.offsets(table_crc));
+        let offsets = Offsets::new(storage.offsets(table_crc), limits);
         let sampling = Sampling::new(
             Counter(self.counts.clone()),
             interrupt_ends,
             tables.as_ref(),
             SCHEDULE,
             scale,
-            offsets,
+            *offsets.in_use(),
         );
         let parts = Parts {
             storage,
@@ -285,7 +286,6 @@ impl Bench {
                 held: self.held.clone(),
             },
             schedule: SCHEDULE,
-            limits,
             scale_factor_arcsec: <Counter as Gyro<CHANNELS, AXES>>::SCALE_FACTOR_ARCSEC,
             stack_is_sound: || true,
             knows_the_answer: self.knows_the_answer,
