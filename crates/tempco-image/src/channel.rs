@@ -1,8 +1,8 @@
 //! One temperature channel of an image: settings, grid and cells.
 
-use tempco::{Table, TableError, Terms, Thermal, ThermalSettings};
+use tempco::{MAX_AXES, Table, TableError, Terms, Thermal, ThermalSettings};
 
-use crate::{ChannelHistory, ImageError, MAX_AXES, MAX_PLAYS, MAX_SLOW_PARTS, Unit};
+use crate::{ChannelHistory, ImageError, MAX_PLAYS, MAX_SLOW_PARTS, Unit};
 
 /// A bias may jump by this share of the magnitudes that are added up for it and still count as
 /// continuous: coefficients in f32 cannot all meet exactly.

@@ -3,10 +3,10 @@
 use core::array::from_fn;
 use core::iter::once;
 
-use tempco::{Play, SlowPart};
+use tempco::{MAX_AXES, Play, SlowPart};
 use zerocopy::little_endian::F32;
 
-use crate::{ImageError, MAX_AXES, MAX_PLAYS, MAX_SLOW_PARTS};
+use crate::{ImageError, MAX_PLAYS, MAX_SLOW_PARTS};
 
 /// The history terms of a channel; not validated.
 ///

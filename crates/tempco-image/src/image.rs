@@ -1,6 +1,6 @@
 //! Reads an image where it lies.
 
-use tempco::{MAX_CELLS, Table, Terms, ThermalSettings};
+use tempco::{MAX_AXES, MAX_CELLS, Table, Terms, ThermalSettings};
 use zerocopy::{F32, FromBytes, LittleEndian};
 
 use crate::check::{check_block, split};
@@ -9,8 +9,7 @@ use crate::layout::{
     history_len,
 };
 use crate::{
-    CRC, Channel, ChannelHistory, FORMAT, ImageError, MAGIC, MAX_AXES, MAX_PLAYS, MAX_SLOW_PARTS,
-    MODEL, Unit,
+    CRC, Channel, ChannelHistory, FORMAT, ImageError, MAGIC, MAX_PLAYS, MAX_SLOW_PARTS, MODEL, Unit,
 };
 
 /// What an image says about itself.

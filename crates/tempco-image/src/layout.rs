@@ -14,8 +14,6 @@ pub const MAGIC: [u8; 8] = *b"TCTABLE\n";
 pub const FORMAT: (u16, u16) = (1, 0);
 /// Version of the equations, major and minor; refused likewise.
 pub const MODEL: (u16, u16) = (1, 0);
-/// The most axes of an image, all channels together.
-pub const MAX_AXES: usize = 6;
 /// The most play (hysteresis) terms of a channel.
 pub const MAX_PLAYS: usize = 2;
 /// The most slow parts of a channel.

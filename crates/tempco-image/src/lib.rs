@@ -70,7 +70,7 @@ pub use check::{BLOCK_LEN, CRC, contents_len, total_len};
 pub use error::ImageError;
 pub use history::ChannelHistory;
 pub use image::{Image, Info};
-pub use layout::{FORMAT, MAGIC, MAX_AXES, MAX_PLAYS, MAX_SLOW_PARTS, MODEL, SERIAL_LEN};
+pub use layout::{FORMAT, MAGIC, MAX_PLAYS, MAX_SLOW_PARTS, MODEL, SERIAL_LEN};
 pub use unit::Unit;
 pub use write::{encode, encoded_len};
 

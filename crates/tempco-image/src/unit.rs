@@ -1,6 +1,6 @@
 //! Units of the axes by code, so that a table in deg/h is not subtracted from pulses.
 
-use crate::MAX_AXES;
+use tempco::MAX_AXES;
 
 /// Unit of an axis and so of its bias.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

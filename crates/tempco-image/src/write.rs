@@ -1,6 +1,6 @@
 //! Writes an image.
 
-use tempco::MAX_CELLS;
+use tempco::{MAX_AXES, MAX_CELLS};
 use zerocopy::IntoBytes;
 use zerocopy::little_endian::{F32, U16, U32};
 
@@ -8,7 +8,7 @@ use crate::check::{seal, total_len};
 use crate::layout::{
     CHANNEL_LEN, CONTINUOUS, HEADER_CRC_AT, HEADER_LEN, RawChannel, RawHeader, history_len,
 };
-use crate::{CRC, Channel, FORMAT, ImageError, Info, MAGIC, MAX_AXES, MODEL, SERIAL_LEN, Unit};
+use crate::{CRC, Channel, FORMAT, ImageError, Info, MAGIC, MODEL, SERIAL_LEN, Unit};
 
 /// What all channels of an image have in common.
 #[derive(Clone, Copy, Default, PartialEq, Eq)]

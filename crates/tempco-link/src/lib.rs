@@ -77,8 +77,7 @@ pub use decoder::{Counters, Decoder};
 pub use fault::{Fault, FaultSet};
 pub use frame::{Frame, LinkError, MAX_FRAME, MAX_MESSAGE};
 pub use message::{
-    Axes, Bank, ChannelTelemetry, Channels, FaultEntry, Losses, MAX_AXES, MAX_BLOCK, MAX_CHUNK,
-    MAX_FAULTS, Outcome, OutcomeBlock, Refusal, Request, Response, Sample, SampleBlock, Telemetry,
-    VERSION,
+    Axes, Bank, ChannelTelemetry, Channels, FaultEntry, Losses, MAX_BLOCK, MAX_CHUNK, MAX_FAULTS,
+    Outcome, OutcomeBlock, Refusal, Request, Response, Sample, SampleBlock, Telemetry, VERSION,
 };
 pub use server::{Handler, Server};

@@ -2,14 +2,13 @@
 
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
+use tempco::MAX_AXES;
 
 use crate::FaultSet;
 
 /// Version of the protocol, major and minor.
 pub const VERSION: (u8, u8) = (1, 1);
 
-/// The most axes of a unit, and so the most temperature channels.
-pub const MAX_AXES: usize = 6;
 /// The most bytes of a chunk of an image; of whole words of any flash.
 pub const MAX_CHUNK: usize = 256;
 /// The most bytes of the gyro samples of a block: 80 samples of three axes.
@@ -19,7 +18,7 @@ pub const MAX_FAULTS: usize = 8;
 
 /// A figure per axis, channel by channel.
 pub type Axes = Vec<f32, MAX_AXES>;
-/// One thing per temperature channel.
+/// One thing per temperature channel, of which there are as many as axes at most.
 pub type Channels<T> = Vec<T, MAX_AXES>;
 
 /// One of the two copies of the table.

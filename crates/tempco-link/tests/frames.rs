@@ -5,11 +5,12 @@ mod common;
 use common::{Unit, ask, connected, feed, wire};
 use proptest::collection::vec;
 use proptest::prelude::*;
+use tempco::MAX_AXES;
 use tempco_image::CRC;
 use tempco_link::{
     Axes, Bank, ChannelTelemetry, Decoder, FaultEntry, FaultSet, Frame, LinkError, Losses,
-    MAX_AXES, MAX_BLOCK, MAX_CHUNK, MAX_FAULTS, MAX_FRAME, MAX_MESSAGE, Outcome, OutcomeBlock,
-    Refusal, Request, Response, Sample, SampleBlock, Server, Telemetry,
+    MAX_BLOCK, MAX_CHUNK, MAX_FAULTS, MAX_FRAME, MAX_MESSAGE, Outcome, OutcomeBlock, Refusal,
+    Request, Response, Sample, SampleBlock, Server, Telemetry,
 };
 
 fn filled<T: Clone, const N: usize>(value: &T) -> heapless::Vec<T, N> {

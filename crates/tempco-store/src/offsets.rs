@@ -5,7 +5,7 @@
 //! were to be.
 
 use embedded_storage::nor_flash::NorFlash;
-use tempco_image::MAX_AXES;
+use tempco::MAX_AXES;
 
 use crate::journal::Journal;
 use crate::{Region, StoreError};

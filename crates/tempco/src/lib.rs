@@ -96,6 +96,6 @@ pub use interval::Interval;
 pub use pulses::PulseCarry;
 pub use settings::{Thermal, ThermalSettings};
 pub use status::{Status, Validity};
-pub use table::{MAX_CELLS, Place, Table, Terms};
+pub use table::{MAX_AXES, MAX_CELLS, Place, Table, Terms};
 pub use thermal::{ThermalPoint, ThermalState};
 pub use two_rate::TwoRateCompensator;

@@ -7,6 +7,8 @@ use crate::{Status, TableError, Thermal, ThermalPoint};
 
 /// The most cells a table can have.
 pub const MAX_CELLS: usize = 1024;
+/// The most axes of a unit, all temperature channels together, in images, over the link and in logs.
+pub const MAX_AXES: usize = 6;
 
 /// The coefficients of one axis in one cell, lowest power first.
 ///

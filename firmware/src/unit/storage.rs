@@ -1,7 +1,8 @@
 //! Tables, fault log and offsets in the flash.
 
+use tempco::MAX_AXES;
 use tempco_image::{Image, ImageError, MAX_PLAYS, MAX_SLOW_PARTS};
-use tempco_link::{Bank, Fault, FaultEntry, MAX_AXES, MAX_FAULTS, Refusal};
+use tempco_link::{Bank, Fault, FaultEntry, MAX_FAULTS, Refusal};
 use tempco_store::{Active, Checked, FaultLog, Offsets, Slot, SlotState, Store, StoreError};
 
 use super::SERIAL;

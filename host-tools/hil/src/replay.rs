@@ -2,10 +2,10 @@
 
 use std::time::Duration;
 
-use tempco::{Schedule, Stream, Table};
+use tempco::{MAX_AXES, Schedule, Stream, Table};
 use tempco_link::{
-    ChannelTelemetry, Channels, MAX_AXES, MAX_BLOCK, Outcome, OutcomeBlock, Request, Response,
-    Sample, SampleBlock, Telemetry,
+    ChannelTelemetry, Channels, MAX_BLOCK, Outcome, OutcomeBlock, Request, Response, Sample,
+    SampleBlock, Telemetry,
 };
 use tempco_replay::Replay;
 

@@ -2,6 +2,8 @@
 
 use std::collections::HashSet;
 
+use tempco::MAX_AXES;
+
 use super::excerpt::{excerpt, list_names};
 use crate::unit::{COLUMN_UNITS, ColumnUnit};
 
@@ -38,9 +40,6 @@ pub struct AxisColumn {
     /// Unit of the values in the column.
     pub unit: ColumnUnit,
 }
-
-/// The most axes a unit can have.
-pub(crate) const MAX_AXES: usize = 6;
 
 /// Positions of the columns that are read.
 #[derive(Debug, PartialEq, Eq)]

@@ -3,9 +3,7 @@
 use crate::history::{MOST, PlayData, SlowPartData};
 use serde::{Deserialize, Serialize};
 use tempco::{Table, TableError, Terms, Thermal, ThermalSettings};
-
-/// CRC-32P4, which finds all errors of up to 5 bits in tables of up to 1024 bytes.
-const CRC: crc::Crc<u32> = crc::Crc::<u32>::new(&crc::CRC_32_AUTOSAR);
+use tempco_image::CRC;
 
 /// A table of the core with as many cells and axes as needed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -245,7 +243,7 @@ impl TableUse<1, 1> for Check {
     fn with<const PLAYS: usize, const SLOW: usize>(self, _: &[Table<1, PLAYS, SLOW>; 1]) {}
 }
 
-/// CRC over the numbers of the tables: for each, the thermal settings, the four temperatures, the
+/// CRC-32P4 over the numbers of the tables: for each, the thermal settings, the four temperatures, the
 /// numbers of cells and axes as u32, then the cells; where there are any plays or slow parts, their
 /// numbers as u32, then the numbers of each play and each slow part. All little-endian.
 pub(crate) fn crc32<'a>(tables: impl Iterator<Item = &'a TableData>) -> u32 {

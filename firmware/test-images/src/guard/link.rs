@@ -3,10 +3,11 @@
 use core::hint::black_box;
 
 use heapless::Vec;
+use tempco::MAX_AXES;
 use tempco_link::{
-    Axes, Bank, ChannelTelemetry, Client, Event, Fault, FaultEntry, Handler, LinkError, MAX_AXES,
-    MAX_BLOCK, MAX_CHUNK, MAX_FAULTS, MAX_FRAME, Outcome, OutcomeBlock, Refusal, Request, Response,
-    Sample, SampleBlock, Server, Telemetry,
+    Axes, Bank, ChannelTelemetry, Client, Event, Fault, FaultEntry, Handler, LinkError, MAX_BLOCK,
+    MAX_CHUNK, MAX_FAULTS, MAX_FRAME, Outcome, OutcomeBlock, Refusal, Request, Response, Sample,
+    SampleBlock, Server, Telemetry,
 };
 
 /// Says hello, asks everything there is to ask and takes the answers.

@@ -1,9 +1,8 @@
 //! The set as a flash image, `table.bin`; its layout is in `docs/flash-image.md`.
 
-use tempco::{Play, SlowPart, Terms};
+use tempco::{MAX_AXES, Play, SlowPart, Terms};
 use tempco_image::{
-    AlignedBytes, Channel, ChannelHistory, Image, ImageError, Info, MAX_AXES, Unit, encode,
-    encoded_len,
+    AlignedBytes, Channel, ChannelHistory, Image, ImageError, Info, Unit, encode, encoded_len,
 };
 use tempco_log::AxisUnit;
 

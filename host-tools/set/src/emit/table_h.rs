@@ -2,8 +2,8 @@
 
 use std::fmt::Write as _;
 
+use tempco::MAX_AXES;
 use tempco::ThermalSettings;
-use tempco_image::MAX_AXES;
 
 use super::table_bin::gains;
 use crate::escape::{c_literal, comment};
