@@ -8,11 +8,10 @@ mod watch;
 use anyhow::{Result, ensure};
 use clap::ValueEnum;
 use serde_json::{Map, Value, json};
+use tempco_elf::{Function, Image};
 use tempco_qemu::{
     Board, Options, Workspace, build, code, ensure_qemu, ensure_target, run as run_image,
 };
-
-use crate::cycles::price;
 
 #[derive(clap::Args)]
 pub(crate) struct Args {
@@ -66,8 +65,10 @@ fn target(workspace: &Workspace) -> Result<Value> {
     let mut figures = Map::new();
     let mut baselines = Map::new();
     let mut sizes = Map::new();
+    let elf = Image::read(&image)?;
+    let kernel = |name: &str| elf.named(&format!("kernels::{name}"));
     // The image counts what a function has beyond an empty one.
-    let empty = price(&code(&image, &["kernels", "empty"])?)?.instructions;
+    let empty = kernel("empty")?.price()?.instructions;
     println!("{board}, per call for three axes     instructions (least, most), M4 cycles");
     for line in &run.log {
         let words: Vec<&str> = line.split_whitespace().collect();
@@ -79,7 +80,7 @@ fn target(workspace: &Workspace) -> Result<Value> {
                 let mut figure = json!({ "instructions": [least, most] });
                 let mut cycles = String::new();
                 if least == most
-                    && let Ok(price) = price(&code(&image, &["kernels", function])?)
+                    && let Ok(price) = kernel(function).and_then(Function::price)
                 {
                     ensure!(
                         price.instructions == most,
@@ -105,7 +106,7 @@ fn target(workspace: &Workspace) -> Result<Value> {
         figures.contains_key("step"),
         "the bench image measured nothing"
     );
-    let code_bytes = code(&image, &["kernels", "step"])?.len();
+    let code_bytes = kernel("step")?.size;
     println!("  {:24} {code_bytes:>8} bytes", "code of step");
     let m7 = build(workspace, Board::Mps2An500, "bench", None)?;
     for name in ["step", "update", "compensate"] {

@@ -2,7 +2,6 @@
 
 mod bench;
 mod check;
-mod cycles;
 mod demo;
 mod figure;
 mod golden;

@@ -6,6 +6,7 @@ use capstone::arch::arm::{
 use capstone::prelude::*;
 use capstone::{AccessType, Insn, InsnDetail};
 
+use crate::cycles::cost;
 use crate::{Arithmetic, Flow, Instruction, Stack};
 
 /// A disassembler for Thumb code of Cortex-M.
@@ -45,19 +46,21 @@ fn instruction(insn: &Insn<'_>, detail: &InsnDetail<'_>) -> Instruction {
     let arm = arch.arm().expect("details of an Arm instruction");
     let operands: Vec<ArmOperand> = arm.operands().collect();
     let mnemonic = insn.mnemonic().unwrap_or_default();
+    let flow = flow(insn, &operands);
     Instruction {
         address: insn.address(),
         text: format!("{mnemonic} {}", insn.op_str().unwrap_or_default())
             .trim_end()
             .to_owned(),
         conditional: is_conditional(insn, arm),
-        flow: flow(insn, &operands),
+        flow,
         stack: stack(insn, arm, &operands),
         arithmetic: arithmetic(insn, mnemonic),
+        cost: cost(insn, &operands, flow),
     }
 }
 
-fn is(insn: &Insn<'_>, kinds: &[ArmInsn]) -> bool {
+pub(crate) fn is(insn: &Insn<'_>, kinds: &[ArmInsn]) -> bool {
     kinds.iter().any(|kind| insn.id().0 == *kind as u32)
 }
 

@@ -71,6 +71,14 @@ pub enum Error {
         /// Where.
         address: u64,
     },
+    /// The cycles of a function are known of straight code only.
+    #[error("{function} is not straight code: {reason}")]
+    NotStraight {
+        /// The function.
+        function: String,
+        /// Why not.
+        reason: String,
+    },
     /// Functions that call each other in a circle: the stack has no bound.
     #[error("recursion: {}", .0.join(" -> "))]
     Recursion(Vec<String>),

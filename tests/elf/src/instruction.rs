@@ -1,5 +1,7 @@
 //! What matters of an instruction.
 
+use crate::cycles::Cost;
+
 /// An instruction.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Instruction {
@@ -15,6 +17,7 @@ pub struct Instruction {
     pub stack: Stack,
     /// What it computes, if that is of interest.
     pub arithmetic: Arithmetic,
+    pub(crate) cost: Cost,
 }
 
 /// Where the program goes on after an instruction.

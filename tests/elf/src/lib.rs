@@ -4,6 +4,7 @@
 //! - [`Kernel`]: what one function and all it calls consist of: branches, loops, divisions
 //! - [`CallGraph`]: who calls whom, recursion, and the deepest stack
 //! - [`forbidden_symbols`]: symbols by which panics, formatting and soft double precision show
+//! - [`Function::price`]: the instructions of straight code, and an estimate of their cycles
 //! - [`Lines`]: where in the sources an instruction comes from
 //! - [`rules`]: what the core may consist of, for every function that runs per sample
 //!
@@ -14,6 +15,7 @@
 //! one that knows the floating-point instructions of Cortex-M.
 #![forbid(unsafe_code)]
 
+mod cycles;
 mod decode;
 mod error;
 mod graph;
@@ -26,6 +28,7 @@ mod symbols;
 #[cfg(test)]
 mod tests;
 
+pub use cycles::Price;
 pub use error::Error;
 pub use graph::{CallGraph, Depth};
 pub use image::{Function, Image};
