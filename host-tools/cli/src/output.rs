@@ -4,26 +4,11 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use anyhow::{Context, Result};
-use comfy_table::{CellAlignment, Table, presets};
 use serde::Serialize;
 pub(crate) use tempco_evaluate::{figure, percent};
-pub(crate) use tempco_report::states;
+pub(crate) use tempco_report::{states, table};
 use tempco_set::escape;
 use tempco_set::files::{Draft, keep_all};
-
-/// A table with the first column to the left and all others, being figures, to the right.
-pub(crate) fn table(header: &[&str], rows: impl IntoIterator<Item = Vec<String>>) -> Table {
-    let mut table = Table::new();
-    table.load_style(presets::ASCII_MARKDOWN);
-    table.set_header(header.iter().map(|cell| escape::line(cell)));
-    for row in rows {
-        table.add_row(row.iter().map(|cell| escape::line(cell)));
-    }
-    for column in table.column_iter_mut().skip(1) {
-        column.set_cell_alignment(CellAlignment::Right);
-    }
-    table
-}
 
 /// Prints a line to standard output, after an empty one if it begins with a line break; a closed
 /// pipe is an error that `main` forgives.

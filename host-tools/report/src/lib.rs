@@ -17,7 +17,7 @@ mod page;
 mod text;
 
 pub use gather::{Gatherer, LogTimes};
-pub use text::states;
+pub use text::{states, table};
 
 use tempco_evaluate::Evaluation;
 use tempco_set::{CoefficientSet, Judgement};

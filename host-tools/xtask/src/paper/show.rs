@@ -1,6 +1,6 @@
 //! The three tables, found beside printed.
 
-use comfy_table::{CellAlignment, Table, presets};
+use tempco_report::table;
 
 use super::flow::{Outcome, TAU_S};
 use super::printed::{SEGMENTS, TABLE_1, TABLE_2, TABLE_3};
@@ -222,17 +222,4 @@ fn cell(outcomes: &[Outcome], figure: impl Fn(&Outcome) -> f64) -> String {
     let squares = outcomes.iter().map(|o| (figure(o) - mean).powi(2));
     let spread = (squares.sum::<f64>() / (outcomes.len() - 1) as f64).sqrt();
     format!("{mean:.4} ±{spread:.4}")
-}
-
-fn table(header: &[&str], rows: impl IntoIterator<Item = Vec<String>>) -> Table {
-    let mut table = Table::new();
-    table.load_style(presets::ASCII_MARKDOWN);
-    table.set_header(header.iter().copied());
-    for row in rows {
-        table.add_row(row);
-    }
-    for column in table.column_iter_mut().skip(1) {
-        column.set_cell_alignment(CellAlignment::Right);
-    }
-    table
 }
