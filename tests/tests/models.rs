@@ -44,6 +44,64 @@ fn the_spline_is_chosen_by_what_was_left_out_and_says_from_what() {
     );
 }
 
+/// What a model does by default may be asked for; every other choice changes the table.
+#[test]
+fn options_of_a_model_do_what_they_say() {
+    let bench = Bench::new();
+    bench.ok("simulate --unit paper --profile short --seed 1 --out log.csv");
+    let crc = |options: &str| {
+        let ran = bench.run(&format!(
+            "fit log.csv --serial S1 --segments 6:30,20:45 --no-report --out set {options}"
+        ));
+        assert!(ran.code < 2, "{options}: {}", ran.err);
+        set(&bench, "set")["table_crc32"].clone()
+    };
+    for (model, defaults, others) in [
+        (
+            "static",
+            "--overlap linear --rate-tau 60 --kappa 0",
+            ["--overlap hard", "--rate-tau 90", "--kappa 0.5"],
+        ),
+        (
+            "composite",
+            "--overlap linear --rate-tau 60 --kappa 0",
+            ["--overlap smooth", "--rate-tau 90", "--kappa 0.5"],
+        ),
+        (
+            "spline",
+            "--overlap spline --states auto",
+            [
+                "--overlap spline --rate-tau 90",
+                "--rate-tau 90 --kappa 0",
+                "--kappa 0.5",
+            ],
+        ),
+        (
+            "auto",
+            "--overlap linear --states auto",
+            [
+                "--overlap linear --rate-tau 90",
+                "--states none --rate-tau 90",
+                "--kappa 0.5",
+            ],
+        ),
+    ] {
+        let default = crc(&format!("--model {model}"));
+        assert_eq!(
+            crc(&format!("--model {model} {defaults}")),
+            default,
+            "{model}"
+        );
+        for other in others {
+            assert_ne!(
+                crc(&format!("--model {model} {other}")),
+                default,
+                "{model} {other}"
+            );
+        }
+    }
+}
+
 #[test]
 fn excluded_stretches_are_left_out_and_counted() {
     let bench = Bench::new();

@@ -169,6 +169,20 @@ fn what_cannot_be_fitted_is_refused() {
             "expected arcsec per pulse, 1e-6 to 1e6",
         ),
         ("--model cubic", "invalid value 'cubic'"),
+        (
+            "--model spline --overlap hard",
+            "error: --overlap hard with --model spline: expected --overlap spline, or --model \
+             static, composite or auto",
+        ),
+        (
+            "--model auto --overlap spline",
+            "error: --overlap spline with --model auto: expected --model spline, or --overlap \
+             none, hard, mean, linear or smooth",
+        ),
+        (
+            "--states none",
+            "error: --states none with --model composite: expected --model spline or auto",
+        ),
     ] {
         let ran = bench.run_to_its_end(&format!("fit log.csv --serial S1 --out set {args}"));
         assert_eq!(ran.code, 2, "{args}");

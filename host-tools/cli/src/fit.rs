@@ -2,20 +2,18 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, ensure};
-use clap::ValueEnum;
+use anyhow::{Context, Result};
 use serde_json::json;
 use tempco::ThermalSettings;
-use tempco_fit::{FitOptions, States, fit_digests};
+use tempco_fit::{FitOptions, fit_digests};
 use tempco_log::ReadOptions;
 use tempco_report::{Report, Subject};
-use tempco_set::{
-    CoefficientSet, Judgement, Model, Overlap, Segmentation, Stretch, file_names, write_set,
-};
+use tempco_set::{CoefficientSet, Judgement, Stretch, file_names, write_set};
 
 use crate::Verdict;
 use crate::batch;
 use crate::judgement::{say_rejections, show};
+use crate::method_args::MethodArgs;
 use crate::output::{figure, percent, print, print_json, print_lines, table};
 use crate::report::{ensure_rereadable, fitted_logs, gather, write_figures};
 use crate::set_tables::{show_choice, show_states};
@@ -42,29 +40,8 @@ pub(crate) struct Args {
     /// Folder for the set; made if need be
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// static: a0 + a1 T + a2 T^2; composite: + a3 T' + a4 T T'; spline: the same terms, segments
-    /// fitted together without jump or kink, at an effective temperature; auto: whichever does best
-    /// on soaks and ramps left out of the fit
-    #[arg(long, value_enum, default_value = "composite")]
-    model: ModelArg,
-    /// What is applied where segments overlap; spline: what `--model spline` does
-    #[arg(long, value_enum, default_value = "linear")]
-    overlap: OverlapArg,
-    /// Segments in degC, such as "-15:15,5:35,25:60,50:80"; without, the measured range is divided
-    #[arg(long, value_name = "MIN:MAX,...", allow_hyphen_values = true)]
-    segments: Option<Segmentation>,
-    /// Time constant of the rate estimator, in s; without, 60, but fitted for spline and auto
-    #[arg(long, value_name = "S", allow_negative_numbers = true)]
-    rate_tau: Option<f32>,
-    /// Shift of the effective temperature u = T - kappa (T - L); without, 0 as in the paper, but
-    /// fitted for spline and auto
-    #[arg(long, allow_negative_numbers = true)]
-    kappa: Option<f32>,
-    /// auto: a spline takes up to two plays (hysteresis) and a slow part (second lag) beside its
-    /// segments where they lower the error on soaks and ramps left out of the fit by more than one
-    /// standard error, in logs with ramps of two rates or more; none: never
-    #[arg(long, value_enum, default_value = "auto")]
-    states: StatesArg,
+    #[command(flatten)]
+    method: MethodArgs,
     /// Leave a stretch of log time out of the fit, in s, in every log (repeat)
     #[arg(long, value_name = "T1:T2", value_parser = stretch, allow_hyphen_values = true)]
     exclude: Vec<Stretch>,
@@ -96,30 +73,6 @@ pub(crate) struct Args {
     reading: LogArgs,
 }
 
-#[derive(Clone, Copy, ValueEnum)]
-enum ModelArg {
-    Static,
-    Composite,
-    Spline,
-    Auto,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-enum StatesArg {
-    Auto,
-    None,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-enum OverlapArg {
-    None,
-    Hard,
-    Mean,
-    Linear,
-    Smooth,
-    Spline,
-}
-
 fn stretch(text: &str) -> Result<Stretch, String> {
     let ends = text.split_once(':').and_then(|(from, to)| {
         let (from_s, to_s) = (from.trim().parse().ok()?, to.trim().parse().ok()?);
@@ -129,11 +82,7 @@ fn stretch(text: &str) -> Result<Stretch, String> {
 }
 
 pub(crate) fn run(args: &Args) -> Result<Verdict> {
-    ensure!(
-        !matches!(args.overlap, OverlapArg::Spline) || matches!(args.model, ModelArg::Spline),
-        "--overlap spline: expected with --model spline only, whose segments are fitted together"
-    );
-    let options = options(args);
+    let options = options(args)?;
     let reading = args.reading.options(None);
     if let Some(folder) = &args.batch {
         return batch::run(folder, &args.out, &reading, &options, !args.no_report);
@@ -192,39 +141,16 @@ pub(crate) fn report_on(
     Ok(Report::new(subject, gathered)?)
 }
 
-fn options(args: &Args) -> FitOptions {
-    FitOptions {
+fn options(args: &Args) -> Result<FitOptions> {
+    Ok(FitOptions {
         serial: args.serial.clone().unwrap_or_default(),
-        model: match args.model {
-            ModelArg::Static => Model::Static,
-            ModelArg::Composite => Model::Composite,
-            ModelArg::Spline => Model::Spline,
-            ModelArg::Auto => Model::Auto,
-        },
-        overlap: match args.overlap {
-            OverlapArg::None => Overlap::None,
-            OverlapArg::Hard => Overlap::Hard,
-            OverlapArg::Mean => Overlap::Mean,
-            OverlapArg::Linear => Overlap::Linear,
-            OverlapArg::Smooth => Overlap::Smooth,
-            OverlapArg::Spline => Overlap::Spline,
-        },
-        segments: args.segments.clone(),
-        thermal: ThermalSettings {
-            max_slew_c_per_min: args.max_slew,
-            ..ThermalSettings::DEFAULT
-        },
-        rate_tau_s: args.rate_tau,
-        kappa: args.kappa,
-        states: match args.states {
-            StatesArg::Auto => States::Auto,
-            StatesArg::None => States::None,
-        },
+        method: args.method.method()?,
+        thermal: args.method.thermal(args.max_slew),
         exclude: args.exclude.clone(),
         robust: !args.keep_outliers,
         scale_factor_arcsec: args.reading.scale_factor,
         tau_s: args.tau,
-    }
+    })
 }
 
 /// Writes the files of a set, all or none.

@@ -11,6 +11,7 @@ mod flash_set;
 mod image;
 mod inspect;
 mod judgement;
+mod method_args;
 mod monitor;
 mod output;
 mod port_args;

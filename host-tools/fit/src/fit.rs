@@ -4,14 +4,15 @@ use tempco::ThermalSettings;
 use tempco_evaluate::judge;
 use tempco_log::{Log, parallel};
 use tempco_set::{
-    ChannelSet, CoefficientSet, Input, Judgement, Model, Overlap, Provenance, Segmentation,
-    Settings, Warning, assemble,
+    ChannelSet, CoefficientSet, Input, Judgement, Model, Provenance, Segmentation, Settings,
+    Warning, assemble,
 };
 
 use crate::channel_fit::Findings;
 use crate::error::FitError;
 use crate::least_squares::Blocks;
-use crate::options::{FitOptions, States};
+use crate::method::Method;
+use crate::options::FitOptions;
 use crate::outliers::screen;
 use crate::spline::{self, Choice, Chosen, FixedLag, Question};
 use crate::summary::{ChannelData, LogDigest, digest_log};
@@ -63,10 +64,6 @@ pub fn fit_digests(logs: &[LogDigest], options: &FitOptions) -> Result<Fit, FitE
     let first = logs.first().ok_or(FitError::NoLogs)?;
     let plan = options.plan()?;
     assert!(logs.iter().all(|log| log.plan == plan));
-    let options = &FitOptions {
-        thermal: options.thermal_settings(),
-        ..options.clone()
-    };
     for log in logs {
         check_same_axes(first, log)?;
         check_interval(log, &options.thermal)?;
@@ -88,11 +85,8 @@ pub fn fit_digests(logs: &[LogDigest], options: &FitOptions) -> Result<Fit, FitE
             inputs: logs.iter().map(input).collect(),
         },
         Settings {
-            model: options.model,
-            overlap: match options.model {
-                Model::Spline => Overlap::Spline,
-                _ => options.overlap,
-            },
+            model: options.method.model(),
+            overlap: options.method.overlap(),
             scale_factor_arcsec: options.scale_factor_arcsec,
         },
         channels,
@@ -118,8 +112,9 @@ fn fit_channel(
             span_c,
         });
     }
-    let segmentation = match &options.segments {
-        Some(segmentation) => segmentation.clone(),
+    let method = &options.method;
+    let segmentation = match method.segmentation() {
+        Some(given) => given.clone(),
         None => Segmentation::over(f64::from(t_min_c), f64::from(t_max_c))?,
     };
     let blocks = Blocks::new(data);
@@ -127,24 +122,18 @@ fn fit_channel(
         data,
         blocks: &blocks,
         settings: options.thermal,
-        fixed: FixedLag {
-            tau_s: options.rate_tau_s.map(f64::from),
-            kappa: options.kappa.map(f64::from),
-        },
-        segments: options.segments.as_ref(),
-        overlap: options.overlap,
-        all_models: options.model == Model::Auto,
-        states: options.states == States::Auto,
+        fixed: FixedLag::new(method.search(), &options.thermal),
+        method,
     };
-    let (choice, selection, chosen) = match options.model {
-        Model::Static | Model::Composite => {
+    let (choice, selection, chosen) = match method {
+        Method::Segments { model, .. } => {
             let choice = Choice::Segments {
-                model: options.model,
+                model: *model,
                 segmentation: segmentation.clone(),
             };
-            (choice, None, Chosen::Model(options.model))
+            (choice, None, Chosen::Segments(*model))
         }
-        Model::Spline | Model::Auto => {
+        Method::Spline { .. } | Method::Auto { .. } => {
             let answer = question.answer().map_err(FitError::Settings)?;
             let (choice, selection, held_out) = answer.ok_or_else(|| FitError::Short {
                 files: data.files(),
@@ -161,8 +150,9 @@ fn fit_channel(
             model,
             segmentation,
         } => {
-            let division = (&segmentation, options.overlap);
-            segments::fit(data, options.thermal, model.terms(), division, warnings)?
+            let division = (&segmentation, method.overlap());
+            let terms = Model::from(model).terms();
+            segments::fit(data, options.thermal, terms, division, warnings)?
         }
         Choice::Spline(spline) => spline::fit(data, options.thermal, &spline)?,
     };

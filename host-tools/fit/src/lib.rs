@@ -9,7 +9,8 @@
 //!
 //! | modules | what they do |
 //! | --- | --- |
-//! | `options`, `fit`, `error` | what to fit; [`fit()`]: logs in, coefficient set out |
+//! | `method`, `options`, `error` | what to fit, and how |
+//! | `fit` | [`fit()`]: logs in, coefficient set out |
 //! | [`summary`] | what a fit needs of a log, in one pass; one channel in all logs |
 //! | `outliers` | what does not belong into a fit |
 //! | [`least_squares`] | normal equations, QR factor, basis of a spline |
@@ -25,6 +26,7 @@ mod channel_fit;
 mod error;
 mod fit;
 pub mod least_squares;
+mod method;
 mod options;
 mod outliers;
 mod segments;
@@ -36,4 +38,5 @@ mod testing;
 
 pub use error::FitError;
 pub use fit::{Fit, fit, fit_digests};
-pub use options::{FitOptions, States};
+pub use method::{Method, SegmentModel, SegmentOverlap, SplineSearch};
+pub use options::FitOptions;

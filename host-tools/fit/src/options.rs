@@ -1,48 +1,28 @@
-//! What to fit.
+//! How to fit.
 
 use tempco::ThermalSettings;
 use tempco_evaluate::TAU_RANGE_S;
+use tempco_set::Stretch;
 use tempco_set::run::with_every_rate;
-use tempco_set::{Model, Overlap, Segmentation, Stretch};
 
 use crate::error::FitError;
+use crate::method::Method;
 use crate::summary::Plan;
 
 /// Length of the blocks of a digest \[s\]: short against every time constant of a thermal model,
 /// long enough to make a day a matter of some thousand blocks.
 const BLOCK_S: f64 = 10.0;
 
-/// Terms of the thermal history beside the five of every segment, for splines.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum States {
-    /// None.
-    None,
-    /// Those that lower the error on soaks and ramps left out of the fit by more than one standard
-    /// error.
-    Auto,
-}
-
-/// What to fit.
+/// What to fit, and how.
 #[derive(Clone, Debug)]
 pub struct FitOptions {
     /// Serial number of the unit.
     pub serial: String,
-    /// Form of the model.
-    pub model: Model,
-    /// What is applied where segments overlap.
-    pub overlap: Overlap,
-    /// The segments; without them the measured range is divided in the paper's manner.
-    pub segments: Option<Segmentation>,
+    /// What is fitted.
+    pub method: Method,
     /// Settings of the thermal path. The rate limits and the reference temperature are set by the
-    /// fit; time constant and `kappa` as well, where the model is a spline and they are not fixed
-    /// below.
+    /// fit; time constant and `kappa` as well, where the method searches them.
     pub thermal: ThermalSettings,
-    /// Time constant of the rate estimator \[s\], if it is not to be fitted.
-    pub rate_tau_s: Option<f32>,
-    /// Shift of the effective temperature, if it is not to be fitted.
-    pub kappa: Option<f32>,
-    /// Whether a spline may earn plays and a slow part.
-    pub states: States,
     /// Stretches of log time that are not fitted, in every log.
     pub exclude: Vec<Stretch>,
     /// Whether spikes and disturbances are left out.
@@ -54,18 +34,12 @@ pub struct FitOptions {
 }
 
 impl FitOptions {
-    /// A robust fit over the measured range with the core's default settings, blended linearly,
-    /// judged at 100 s.
-    pub fn new(serial: &str, model: Model) -> Self {
+    /// A robust fit with the core's default settings, judged at 100 s.
+    pub fn new(serial: &str, method: impl Into<Method>) -> Self {
         Self {
             serial: serial.to_owned(),
-            model,
-            overlap: Overlap::Linear,
-            segments: None,
+            method: method.into(),
             thermal: ThermalSettings::DEFAULT,
-            rate_tau_s: None,
-            kappa: None,
-            states: States::Auto,
             exclude: Vec::new(),
             robust: true,
             scale_factor_arcsec: None,
@@ -87,19 +61,10 @@ impl FitOptions {
         let parts = (self.tau_s / BLOCK_S).round().max(1.0);
         Ok(Plan {
             // While fitting, every rate counts.
-            thermal: with_every_rate(self.thermal_settings()).map_err(FitError::Settings)?,
+            thermal: with_every_rate(self.thermal).map_err(FitError::Settings)?,
             exclude: self.exclude.clone(),
             robust: self.robust,
             block_s: self.tau_s / parts,
         })
-    }
-
-    /// The thermal path that a fit begins with.
-    pub(crate) fn thermal_settings(&self) -> ThermalSettings {
-        ThermalSettings {
-            tau_s: self.rate_tau_s.unwrap_or(self.thermal.tau_s),
-            kappa: self.kappa.unwrap_or(self.thermal.kappa),
-            ..self.thermal
-        }
     }
 }

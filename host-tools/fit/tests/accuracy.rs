@@ -2,21 +2,32 @@
 
 mod worlds;
 
-use tempco_fit::{FitOptions, fit};
+use tempco_fit::{FitOptions, Method, SegmentModel, SegmentOverlap, SplineSearch, fit};
 use tempco_set::run::apply;
-use tempco_set::{CoefficientSet, Model, Overlap};
+use tempco_set::{CoefficientSet, Model};
 
 use worlds::{Programme, Random, Run, World, simulate};
 
 const PAPER_SEGMENTS: &str = "-15:15,5:35,25:60,50:80";
 
 fn options(model: Model) -> FitOptions {
-    let paper = matches!(model, Model::Static | Model::Composite);
-    FitOptions {
-        overlap: Overlap::Smooth,
-        segments: paper.then(|| PAPER_SEGMENTS.parse().unwrap()),
-        ..FitOptions::new("SIMULATED", model)
-    }
+    let overlap = SegmentOverlap::Smooth;
+    let segments = |model| Method::Segments {
+        model,
+        overlap,
+        segmentation: Some(PAPER_SEGMENTS.parse().unwrap()),
+    };
+    let method = match model {
+        Model::Static => segments(SegmentModel::Static),
+        Model::Composite => segments(SegmentModel::Composite),
+        Model::Spline => Method::from(model),
+        Model::Auto => Method::Auto {
+            overlap,
+            segmentation: None,
+            search: SplineSearch::ALL,
+        },
+    };
+    FitOptions::new("SIMULATED", method)
 }
 
 fn fitted(model: Model, run: &Run) -> CoefficientSet {

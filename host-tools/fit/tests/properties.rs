@@ -3,17 +3,14 @@
 mod worlds;
 
 use tempco::{Thermal, ThermalSettings};
-use tempco_fit::{FitOptions, States, fit};
+use tempco_fit::{FitOptions, Method, SplineSearch, fit};
 use tempco_log::{AxisUnit, Log};
 use tempco_set::run::thermal_points;
-use tempco_set::{CoefficientSet, Model, Overlap};
+use tempco_set::{CoefficientSet, Model};
 use worlds::{Programme, Random, World, simulate};
 
 fn options(model: Model) -> FitOptions {
-    FitOptions {
-        overlap: Overlap::Smooth,
-        ..FitOptions::new("SIMULATED", model)
-    }
+    FitOptions::new("SIMULATED", model)
 }
 
 /// The largest difference of the coefficients of two sets, as a share of the largest of them.
@@ -133,12 +130,19 @@ fn coverage(white: f64, walk: f64) -> f64 {
     log.channels[0].temp_c.truncate(2700);
     let truth = exact(&log, &thermal);
     let options = FitOptions {
-        segments: Some("-13:10,10:40,40:76".parse().unwrap()),
-        rate_tau_s: Some(thermal.tau_s),
-        kappa: Some(thermal.kappa),
+        thermal,
         // The intervals are those of a given model.
-        states: States::None,
-        ..options(Model::Spline)
+        ..FitOptions::new(
+            "SIMULATED",
+            Method::Spline {
+                segmentation: Some("-13:10,10:40,40:76".parse().unwrap()),
+                search: SplineSearch {
+                    tau: false,
+                    kappa: false,
+                    history: false,
+                },
+            },
+        )
     };
     let mut random = Random::new(9);
     let (mut inside, mut all) = (0, 0);

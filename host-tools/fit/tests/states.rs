@@ -6,7 +6,7 @@ mod worlds;
 use tempco::{
     Compensator, HistoryState, Interval, Play, SlowPart, Table, Terms, Thermal, ThermalSettings,
 };
-use tempco_fit::{Fit, FitOptions, States, fit};
+use tempco_fit::{Fit, FitOptions, Method, SplineSearch, fit};
 use tempco_log::{AxisUnit, Log};
 use tempco_set::run::apply;
 use tempco_set::{
@@ -148,11 +148,16 @@ fn one_rate_earns_none_and_says_so() {
 #[test]
 fn states_can_be_declined() {
     let log = run(WHOLE, Programme::ManyRates, 1, CALM);
-    let options = FitOptions {
-        states: States::None,
-        ..FitOptions::new("SIMULATED", Model::Spline)
+    let method = Method::Spline {
+        segmentation: None,
+        search: SplineSearch {
+            history: false,
+            ..SplineSearch::ALL
+        },
     };
-    let set = fit(&[log], &options).unwrap().set;
+    let set = fit(&[log], &FitOptions::new("SIMULATED", method))
+        .unwrap()
+        .set;
     assert!(set.channels[0].table.plays.is_empty() && set.channels[0].table.slow_parts.is_empty());
 }
 

@@ -1,8 +1,9 @@
 //! Models that stand to choice.
 
-use tempco_set::{Candidate, Model, Segmentation};
+use tempco_set::{Candidate, Segmentation};
 
 use crate::least_squares::{AxisTerms, RateForm};
+use crate::method::SegmentModel;
 use crate::spline::breakpoints::Layout;
 use crate::spline::cross_validation::HeldOut;
 use crate::spline::history_terms::Shape;
@@ -11,7 +12,7 @@ use crate::spline::regressors::Lag;
 /// The model that was fitted.
 pub(crate) enum Chosen {
     /// One of the paper's.
-    Model(Model),
+    Segments(SegmentModel),
     /// Another one, with its errors.
     HeldOut(HeldOut),
 }
@@ -20,7 +21,7 @@ pub(crate) enum Chosen {
 #[derive(Clone, Debug)]
 pub(crate) enum Choice {
     Segments {
-        model: Model,
+        model: SegmentModel,
         segmentation: Segmentation,
     },
     Spline(Spline),

@@ -1,9 +1,10 @@
 //! Chooses the model by what it does on soaks and ramps it was not fitted to.
 
 use tempco::{TableError, ThermalSettings};
-use tempco_set::{Candidate, HeldOutErrors, Model, Overlap, Place, Segmentation, Selection};
+use tempco_set::{Candidate, HeldOutErrors, Model, Place, Segmentation, Selection};
 
 use crate::least_squares::{AxisTerms, Basis, Blocks, RFactor, RateForm, SparseRow};
+use crate::method::{Method, SegmentModel};
 use crate::segments::solve::{LEAST_SHARE, SENSOR_NOISE_C};
 use crate::spline::breakpoints::{Layout, MOST_SEGMENTS};
 use crate::spline::candidate::{Choice, Chosen, Spline, Tried};
@@ -26,13 +27,11 @@ pub(crate) struct Question<'a> {
     pub(crate) blocks: &'a Blocks,
     pub(crate) settings: ThermalSettings,
     pub(crate) fixed: FixedLag,
-    pub(crate) segments: Option<&'a Segmentation>,
-    pub(crate) overlap: Overlap,
-    /// Whether static and composite model compete.
-    pub(crate) all_models: bool,
-    /// Whether states may be earned.
-    pub(crate) states: bool,
+    pub(crate) method: &'a Method,
 }
+
+/// The models of segments that are fitted by themselves.
+const SEGMENT_MODELS: [SegmentModel; 2] = [SegmentModel::Static, SegmentModel::Composite];
 
 impl Question<'_> {
     /// Tries all candidates and takes the simplest within one standard error of the best. None where
@@ -41,7 +40,7 @@ impl Question<'_> {
         let base = self.base()?;
         let folds = Folds::new(self.blocks, base.rates());
         let mut tried = Vec::new();
-        if self.all_models {
+        if matches!(self.method, Method::Auto { .. }) {
             self.try_segments(&base, &folds, &mut tried);
         }
         self.try_splines(&base, &folds, &mut tried)?;
@@ -60,7 +59,7 @@ impl Question<'_> {
             .min_by_key(|(_, t)| t.candidate.columns)
             .map_or(0, |(position, _)| position);
         let mut chosen = tried.remove(chosen);
-        if self.states
+        if self.method.search().history
             && let Some(earned) = self.earned(&folds, &chosen, &tried)?
         {
             tried.push(std::mem::replace(&mut chosen, earned));
@@ -94,8 +93,8 @@ impl Question<'_> {
         let [fixed, composite] = self.of_segments(&base, &folds, segmentation);
         let chosen = match chosen {
             Chosen::HeldOut(held_out) => Some(held_out),
-            Chosen::Model(Model::Static) => fixed.clone(),
-            Chosen::Model(_) => composite.clone(),
+            Chosen::Segments(SegmentModel::Static) => fixed.clone(),
+            Chosen::Segments(SegmentModel::Composite) => composite.clone(),
         };
         let rmse = |held_out: &Option<HeldOut>, axis: usize| {
             let held_out = held_out.as_ref()?;
@@ -120,9 +119,10 @@ impl Question<'_> {
         folds: &Folds,
         segmentation: &Segmentation,
     ) -> [Option<HeldOut>; 2] {
-        let terms = [Model::Static, Model::Composite].map(Model::terms);
+        let terms = SEGMENT_MODELS.map(|model| Model::from(model).terms());
         let form = (self.settings.kappa.into(), terms);
-        HeldOut::segments(self.blocks, folds, base, form, segmentation, self.overlap)
+        let overlap = self.method.overlap_of_segments();
+        HeldOut::segments(self.blocks, folds, base, form, segmentation, overlap)
     }
 
     pub(super) fn regressors(&self, tau_s: f64) -> Result<Regressors<'_>, TableError> {
@@ -179,7 +179,7 @@ impl Question<'_> {
 
     fn try_segments(&self, base: &Regressors, folds: &Folds, tried: &mut Vec<Tried>) {
         let range_c = base.range_c(self.settings.kappa.into());
-        let divisions: Vec<Segmentation> = match self.segments {
+        let divisions: Vec<Segmentation> = match self.method.segmentation() {
             Some(given) => vec![given.clone()],
             None => (1..=4)
                 .filter_map(|count| Segmentation::of(count, range_c.0, range_c.1).ok())
@@ -187,17 +187,15 @@ impl Question<'_> {
         };
         for segmentation in divisions {
             let tried_here = self.of_segments(base, folds, &segmentation);
-            for (model, held_out) in [Model::Static, Model::Composite]
-                .into_iter()
-                .zip(tried_here)
-            {
+            for (segment_model, held_out) in SEGMENT_MODELS.into_iter().zip(tried_here) {
                 let Some(held_out) = held_out else { continue };
-                if model == Model::Composite && folds.legs < LEAST_FOLDS {
+                let model = Model::from(segment_model);
+                if segment_model == SegmentModel::Composite && folds.legs < LEAST_FOLDS {
                     continue;
                 }
                 let kappa = f64::from(self.settings.kappa);
                 let segments = segmentation.segments().len();
-                let place = match self.segments {
+                let place = match self.method.segmentation() {
                     Some(_) => Place::Given,
                     None => Place::Uniform,
                 };
@@ -218,7 +216,7 @@ impl Question<'_> {
                     ),
                     held_out,
                     choice: Choice::Segments {
-                        model,
+                        model: segment_model,
                         segmentation: segmentation.clone(),
                     },
                 });
@@ -249,7 +247,7 @@ impl Question<'_> {
             place: Place::Quantile,
             segments,
         });
-        let (uniform, all): (Vec<Layout>, Vec<Layout>) = match self.segments {
+        let (uniform, all): (Vec<Layout>, Vec<Layout>) = match self.method.segmentation() {
             Some(given) => (vec![Layout::given(given)], vec![Layout::given(given)]),
             None => (uniform.clone().collect(), uniform.chain(quantile).collect()),
         };

@@ -3,6 +3,7 @@
 use tempco::{TableError, ThermalSettings};
 
 use crate::least_squares::{Basis, Blocks, Gram, SparseRow};
+use crate::method::SplineSearch;
 use crate::spline::folds::Folds;
 use crate::summary::ChannelData;
 
@@ -13,11 +14,20 @@ pub(crate) struct Lag {
     pub(crate) kappa: f64,
 }
 
-/// What the caller has fixed.
+/// What is not searched.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct FixedLag {
     pub(crate) tau_s: Option<f64>,
     pub(crate) kappa: Option<f64>,
+}
+
+impl FixedLag {
+    pub(crate) fn new(search: SplineSearch, settings: &ThermalSettings) -> Self {
+        Self {
+            tau_s: (!search.tau).then(|| settings.tau_s.into()),
+            kappa: (!search.kappa).then(|| settings.kappa.into()),
+        }
+    }
 }
 
 /// Temperatures and rates of the blocks at one time constant.

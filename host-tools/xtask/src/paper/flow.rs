@@ -2,9 +2,9 @@
 
 use anyhow::{Context, Result};
 use tempco_evaluate::evaluate;
-use tempco_fit::{FitOptions, fit};
+use tempco_fit::{FitOptions, Method, SegmentModel, SegmentOverlap, fit};
 use tempco_log::{Axis, AxisUnit, Channel, Log};
-use tempco_set::{CoefficientSet, Model, Overlap, Segmentation};
+use tempco_set::{CoefficientSet, Model, Segmentation};
 use tempco_twin::{AXIS_NAMES, DEFAULT_RATE_HZ, Profile, Simulation, Step, Unit};
 
 use super::printed::SEGMENTS;
@@ -38,15 +38,21 @@ pub(super) fn run(seed: u64) -> Result<Outcome> {
 
     let static_logs = std::slice::from_ref(&static_log);
     let segments: Segmentation = SEGMENTS.parse().context("the paper's segments")?;
-    let segments = Some(&segments);
-    let without = calibrate(static_logs, Model::Static, (segments, Overlap::None))?;
-    let with = calibrate(static_logs, Model::Static, (segments, Overlap::Linear))?;
+    let of_paper = |model, overlap| Method::Segments {
+        model,
+        overlap,
+        segmentation: Some(segments.clone()),
+    };
+    let of_static = |overlap| of_paper(SegmentModel::Static, overlap);
+    let without = calibrate(static_logs, of_static(SegmentOverlap::None))?;
+    let with = calibrate(static_logs, of_static(SegmentOverlap::Linear))?;
     // The same polynomials as with the blend, switched as without overlap: what of the smoothness
     // is owed to the fit.
-    let switched = calibrate(static_logs, Model::Static, (segments, Overlap::Hard))?;
+    let switched = calibrate(static_logs, of_static(SegmentOverlap::Hard))?;
     let both_logs = [static_log, variable_log];
-    let composite = calibrate(&both_logs, Model::Composite, (segments, Overlap::Linear))?;
-    let auto = calibrate(&both_logs, Model::Auto, (None, Overlap::Linear))?;
+    let composite = of_paper(SegmentModel::Composite, SegmentOverlap::Linear);
+    let composite = calibrate(&both_logs, composite)?;
+    let auto = calibrate(&both_logs, Model::Auto.into())?;
 
     let [static_log, _] = &both_logs;
     let of_without = sigmas(&without, static_log)?;
@@ -116,16 +122,10 @@ fn simulate(unit: &Unit, profile: &Profile, seed: u64) -> Result<Log> {
     })
 }
 
-fn calibrate(
-    logs: &[Log],
-    model: Model,
-    (segments, overlap): (Option<&Segmentation>, Overlap),
-) -> Result<CoefficientSet> {
+fn calibrate(logs: &[Log], method: Method) -> Result<CoefficientSet> {
     let options = FitOptions {
-        overlap,
-        segments: segments.cloned(),
         tau_s: TAU_S,
-        ..FitOptions::new("PAPER", model)
+        ..FitOptions::new("PAPER", method)
     };
     Ok(fit(logs, &options)?.set)
 }
