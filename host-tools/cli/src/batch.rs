@@ -15,10 +15,10 @@ use tempco_set::files::write_files;
 use tempco_set::run::is_rereadable;
 
 use crate::Verdict;
-use crate::fit::{report_on, write};
 use crate::judgement::say_rejections;
 use crate::output::{figure, percent, print, print_lines, say, table};
 use crate::progress::Progress;
+use crate::set_files::{report_on, write};
 
 /// Fits every unit found in `folder`; the serial number in `options` is replaced by the unit's.
 pub(crate) fn run(

@@ -1,21 +1,20 @@
 //! `tempco fit`: logs in, coefficient set out.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use serde_json::json;
 use tempco::ThermalSettings;
 use tempco_fit::{FitOptions, fit_digests};
-use tempco_log::ReadOptions;
-use tempco_report::{Report, Subject};
-use tempco_set::{CoefficientSet, Judgement, Stretch, file_names, write_set};
+use tempco_set::{CoefficientSet, Stretch, file_names};
 
 use crate::Verdict;
 use crate::batch;
 use crate::judgement::{say_rejections, show};
 use crate::method_args::MethodArgs;
 use crate::output::{figure, percent, print, print_json, print_lines, table};
-use crate::report::{ensure_rereadable, fitted_logs, gather, write_figures};
+use crate::report::{ensure_rereadable, write_figures};
+use crate::set_files::{report_on, write};
 use crate::set_tables::{show_choice, show_states};
 use crate::shared_args::{LogArgs, averaging_time};
 
@@ -124,23 +123,6 @@ pub(crate) fn run(args: &Args) -> Result<Verdict> {
     Ok(Verdict::of(judgement.is_accepted()))
 }
 
-/// The report on a set and the logs it was fitted to.
-pub(crate) fn report_on(
-    set: &CoefficientSet,
-    judgement: &Judgement,
-    logs: &[PathBuf],
-    reading: &ReadOptions,
-    tau_s: f64,
-) -> Result<Report> {
-    let gathered = gather(set, tau_s, &fitted_logs(set, logs), reading)?;
-    let subject = Subject {
-        set,
-        evaluation: None,
-        judgement,
-    };
-    Ok(Report::new(subject, gathered)?)
-}
-
 fn options(args: &Args) -> Result<FitOptions> {
     Ok(FitOptions {
         serial: args.serial.clone().unwrap_or_default(),
@@ -151,12 +133,6 @@ fn options(args: &Args) -> Result<FitOptions> {
         scale_factor_arcsec: args.reading.scale_factor,
         tau_s: args.tau,
     })
-}
-
-/// Writes the files of a set, all or none.
-pub(crate) fn write(out: &Path, set: &CoefficientSet, report: Option<&Report>) -> Result<()> {
-    let report = report.map(|report| &report.html[..]);
-    write_set(out, set, report).context("nothing was written")
 }
 
 /// Paths of what was written into the folder of the set.

@@ -18,6 +18,7 @@ mod port_args;
 mod progress;
 mod replay;
 mod report;
+mod set_files;
 mod set_tables;
 mod shared_args;
 #[cfg(unix)]
