@@ -7,8 +7,8 @@ use anyhow::{Context, Result, anyhow, bail, ensure};
 use tempco_fit::batch::{
     Outcome, SUMMARY_FILES, Summary, UnitFigures, UnitLogs, check_serial, find_units,
 };
-use tempco_fit::summary::{Plan, digest_file};
-use tempco_fit::{FitOptions, fit_digests};
+use tempco_fit::summary::{Plan, summarise_file};
+use tempco_fit::{FitOptions, fit_summaries};
 use tempco_log::{ReadOptions, parallel};
 use tempco_set::WarningCode;
 use tempco_set::files::write_files;
@@ -95,9 +95,9 @@ fn fit_unit(
     let logs = unit
         .logs
         .iter()
-        .map(|path| digest_file(path, reading, plan, |bytes| progress.add(bytes)))
+        .map(|path| summarise_file(path, reading, plan, |bytes| progress.add(bytes)))
         .collect::<Result<Vec<_>, _>>()?;
-    let fit = fit_digests(&logs, &options)?;
+    let fit = fit_summaries(&logs, &options)?;
     let judgement = fit.judge();
     let report = if with_report {
         let (logs, tau_s) = (&unit.logs, options.tau_s);

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use anyhow::Result;
 use serde_json::json;
 use tempco::ThermalSettings;
-use tempco_fit::{FitOptions, fit_digests};
+use tempco_fit::{FitOptions, fit_summaries};
 use tempco_set::{CoefficientSet, Stretch, file_names};
 
 use crate::Verdict;
@@ -89,8 +89,8 @@ pub(crate) fn run(args: &Args) -> Result<Verdict> {
     if !args.no_report {
         ensure_rereadable(&args.logs)?;
     }
-    let logs = args.reading.digest_all(&args.logs, &options.plan()?)?;
-    let fit = fit_digests(&logs, &options)?;
+    let logs = args.reading.summarise_all(&args.logs, &options.plan()?)?;
+    let fit = fit_summaries(&logs, &options)?;
     let (set, judgement) = (&fit.set, fit.judge());
     let report = if args.no_report {
         None

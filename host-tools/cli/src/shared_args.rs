@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Error, Result};
 use tempco_evaluate::TAU_RANGE_S;
-use tempco_fit::summary::{LogDigest, Plan, digest_file};
+use tempco_fit::summary::{LogSummary, Plan, summarise_file};
 use tempco_log::{
     AxisColumn, COLUMN_UNITS, Log, Mapping, ReadOptions, TempColumn, list_names, parallel,
     read_log_observed,
@@ -119,12 +119,12 @@ impl LogArgs {
         Ok(log)
     }
 
-    /// Digests several logs at once.
-    pub(crate) fn digest_all(&self, paths: &[PathBuf], plan: &Plan) -> Result<Vec<LogDigest>> {
+    /// Summarises several logs at once.
+    pub(crate) fn summarise_all(&self, paths: &[PathBuf], plan: &Plan) -> Result<Vec<LogSummary>> {
         let progress = Progress::over(paths);
         let options = self.options(None);
         let logs = parallel::map(paths, |path| {
-            digest_file(path, &options, plan, |bytes| progress.add(bytes))
+            summarise_file(path, &options, plan, |bytes| progress.add(bytes))
         });
         drop(progress);
         let logs = logs.into_iter().collect::<Result<Vec<_>, _>>()?;

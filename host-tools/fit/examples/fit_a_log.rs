@@ -15,7 +15,7 @@ use tempco_set::{MARK, Model, write_set};
 fn log() -> String {
     let mut text = "time_s,temp_c,gz_dph\n".to_owned();
     let (mut temp_c, mut noise) = (25.0, 1_u32);
-    let legs = [
+    let ramps = [
         (50.0, 1.0),
         (0.0, 1.0),
         (50.0, 0.5),
@@ -23,7 +23,7 @@ fn log() -> String {
         (25.0, 1.0),
     ];
     let mut time_s = 0.0;
-    for (to_c, rate) in legs {
+    for (to_c, rate) in ramps {
         let direction = if to_c > temp_c { 1.0 } else { -1.0 };
         let steps = ((to_c - temp_c) / (direction * rate) * 30.0) as u32;
         for step in 0..steps + 300 {

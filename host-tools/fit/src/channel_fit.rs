@@ -26,7 +26,7 @@ pub(crate) struct ChannelFit {
     pub(crate) sigmas: Vec<Vec<CoefficientSigmas>>,
     /// By axis, where `sigmas` account for it.
     pub(crate) noises: Vec<Option<NoiseSet>>,
-    /// Earned states, each with its largest value in the kept rows \[degC\].
+    /// History terms, each with its largest value in the kept rows \[degC\].
     pub(crate) history: Vec<(Term, f32)>,
     /// By axis and term.
     pub(crate) gains: Vec<Vec<GainSet>>,

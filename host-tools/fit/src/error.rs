@@ -45,7 +45,7 @@ pub enum FitError {
     /// A log of which every row is left out.
     #[error(
         "{file}: no row is left to fit: of {rows}, {excluded_rows} lie in excluded stretches, \
-         {unusable_rows} have a temperature or interval that was not believed, {outlying_rows} are \
+         {unusable_rows} have a temperature or interval that was not accepted, {outlying_rows} are \
          spikes or disturbed: expected rows to fit in every log"
     )]
     NoRows {
@@ -55,7 +55,7 @@ pub enum FitError {
         rows: usize,
         /// Rows in excluded stretches.
         excluded_rows: usize,
-        /// Rows whose temperature or interval was not believed.
+        /// Rows whose temperature or interval was not accepted.
         unusable_rows: usize,
         /// All others.
         outlying_rows: usize,
@@ -101,10 +101,10 @@ pub enum FitError {
     },
     /// The equations of all segments together cannot be solved.
     #[error(
-        "the logs cannot tell the coefficients of {segments} joined segments apart: choose fewer \
-         by --segments"
+        "the logs cannot tell the coefficients of a spline of {segments} segments apart: choose \
+         fewer by --segments"
     )]
-    Joint {
+    Spline {
         /// Number of segments.
         segments: usize,
     },

@@ -13,9 +13,9 @@ use crate::error::FitError;
 use crate::least_squares::Blocks;
 use crate::method::Method;
 use crate::options::FitOptions;
-use crate::outliers::screen;
+use crate::outliers;
 use crate::spline::{self, Choice, Chosen, FixedLag, Question};
-use crate::summary::{ChannelData, LogDigest, digest_log};
+use crate::summary::{ChannelData, LogSummary, summarise_log};
 use crate::{segments, statistics};
 
 /// The whole log must span this much for a fit to mean anything \[degC\].
@@ -49,18 +49,21 @@ impl Fit {
 /// segments without data.
 pub fn fit(logs: &[Log], options: &FitOptions) -> Result<Fit, FitError> {
     let plan = options.plan()?;
-    fit_digests(&parallel::map(logs, |log| digest_log(log, &plan)), options)
+    fit_summaries(
+        &parallel::map(logs, |log| summarise_log(log, &plan)),
+        options,
+    )
 }
 
-/// Fits a coefficient set to digests of one or more logs of a unit. Logs that were digested apart
-/// give the same as logs that were digested together.
+/// Fits a coefficient set to summaries of one or more logs of a unit. Logs that were summarised apart
+/// give the same as logs that were summarised together.
 ///
 /// # Errors
 /// Those of [`fit`].
 ///
 /// # Panics
-/// If the logs were not digested by the [plan](FitOptions::plan) of these options.
-pub fn fit_digests(logs: &[LogDigest], options: &FitOptions) -> Result<Fit, FitError> {
+/// If the logs were not summarised by the [plan](FitOptions::plan) of these options.
+pub fn fit_summaries(logs: &[LogSummary], options: &FitOptions) -> Result<Fit, FitError> {
     let first = logs.first().ok_or(FitError::NoLogs)?;
     let plan = options.plan()?;
     assert!(logs.iter().all(|log| log.plan == plan));
@@ -101,7 +104,8 @@ fn fit_channel(
     warnings: &mut Vec<Warning>,
 ) -> Result<ChannelSet, FitError> {
     check_rows(data)?;
-    let screening = screen(data, &options.thermal, options.robust).map_err(FitError::Settings)?;
+    let screening =
+        outliers::leave_out(data, &options.thermal, options.robust).map_err(FitError::Settings)?;
     check_rows(data)?;
     let (t_min_c, t_max_c) = data.range(|block| block.effective_range_c);
     let span_c = t_max_c - t_min_c;
@@ -164,7 +168,7 @@ fn fit_channel(
     Ok(fitted.into_set(data, findings))
 }
 
-fn input(log: &LogDigest) -> Input {
+fn input(log: &LogSummary) -> Input {
     let channels = log.channels.iter();
     Input {
         file: log.file.clone(),
@@ -177,8 +181,8 @@ fn input(log: &LogDigest) -> Input {
     }
 }
 
-fn check_same_axes(first: &LogDigest, log: &LogDigest) -> Result<(), FitError> {
-    let describe = |log: &LogDigest| {
+fn check_same_axes(first: &LogSummary, log: &LogSummary) -> Result<(), FitError> {
+    let describe = |log: &LogSummary| {
         let channels = log.channels.iter().map(|channel| {
             let axes = channel
                 .axes
@@ -199,7 +203,7 @@ fn check_same_axes(first: &LogDigest, log: &LogDigest) -> Result<(), FitError> {
     }
 }
 
-fn check_interval(log: &LogDigest, thermal: &ThermalSettings) -> Result<(), FitError> {
+fn check_interval(log: &LogSummary, thermal: &ThermalSettings) -> Result<(), FitError> {
     if log.interval_s > 0.5 * f64::from(thermal.tau_s) {
         return Err(FitError::Interval {
             file: log.file.clone(),

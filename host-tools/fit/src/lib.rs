@@ -37,6 +37,6 @@ pub mod summary;
 mod testing;
 
 pub use error::FitError;
-pub use fit::{Fit, fit, fit_digests};
+pub use fit::{Fit, fit, fit_summaries};
 pub use method::{Method, SegmentModel, SegmentOverlap, SplineSearch};
 pub use options::FitOptions;

@@ -9,7 +9,7 @@ use crate::error::FitError;
 use crate::method::Method;
 use crate::summary::Plan;
 
-/// Length of the blocks of a digest \[s\]: short against every time constant of a thermal model,
+/// Length of the blocks of a summary \[s\]: short against every time constant of a thermal model,
 /// long enough to make a day a matter of some thousand blocks.
 const BLOCK_S: f64 = 10.0;
 
@@ -47,7 +47,7 @@ impl FitOptions {
         }
     }
 
-    /// What must be known before logs are digested.
+    /// What must be known before logs are summarised.
     ///
     /// Blocks are about ten seconds long: so long that means over `tau_s` are made of whole blocks,
     /// and no longer than these.

@@ -63,7 +63,7 @@ fn description(set: &CoefficientSet) -> String {
     channel.selection.as_ref().map_or_else(String::new, |selection| {
         let of = &selection.chosen;
         format!(
-            "{} segments, {} columns, tau {:.0} s, kappa {:.2}, plays {:.2?} degC, slow part {:.0?} s",
+            "{} segments, {} columns, tau {:.0} s, kappa {:.2}, plays {:.2?} degC, second lag {:.0?} s",
             of.segments, of.columns, of.tau_s, of.kappa, of.half_widths_c, of.slow_tau_s
         )
     })
@@ -137,7 +137,7 @@ fn outside_the_family_the_error_is_little_more_than_a_third_of_the_composites() 
     assert!(lagged.first_minutes <= 1.0);
 }
 
-/// Play and slow part are all that is left of such a unit beside its random walk. Just after
+/// Play and second thermal lag are all that is left of such a unit beside its random walk. Just after
 /// power-on in the middle of a ramp they are not known, and a model without them, whose rate terms
 /// stand in for them, does better.
 #[test]
@@ -180,7 +180,7 @@ fn disturbed(unit: u64) -> [(&'static str, Run, usize); 2] {
     [("spikes", spiky, 3000), ("glitch", glitch, 600)]
 }
 
-/// Over two units: whether a unit earns states is a matter of one standard error, and may turn on
+/// Over two units: whether a unit gets history terms is a matter of one standard error, and may turn on
 /// which rows are left out.
 #[test]
 fn outliers_and_a_glitch_hardly_show() {

@@ -3,7 +3,7 @@
 /// Keeps every so-manieth value of a series: all of a short one, of a longer one between half of
 /// `most` and `most`.
 #[derive(Clone, Debug)]
-pub struct Thinned {
+pub struct Decimated {
     values: Vec<f64>,
     most: usize,
     stride: usize,
@@ -11,7 +11,7 @@ pub struct Thinned {
     to_pass: usize,
 }
 
-impl Thinned {
+impl Decimated {
     /// A sample of at most `most` values.
     ///
     /// # Panics
@@ -71,9 +71,9 @@ mod tests {
 
     #[test]
     fn the_sample_is_evenly_spaced_however_it_was_taken_in() {
-        let mut at_once = Thinned::new(8);
+        let mut at_once = Decimated::new(8);
         at_once.extend(100, |i| i as f64);
-        let mut by_parts = Thinned::new(8);
+        let mut by_parts = Decimated::new(8);
         for start in (0..100).step_by(7) {
             let count = 7.min(100 - start);
             by_parts.extend(count, |i| (start + i) as f64);
@@ -81,7 +81,7 @@ mod tests {
         let expected: Vec<f64> = (0..7).map(|i| 16.0 * f64::from(i)).collect();
         assert_eq!(at_once.values(), expected);
         assert_eq!(by_parts.values(), expected);
-        let mut short = Thinned::new(8);
+        let mut short = Decimated::new(8);
         short.extend(8, |i| i as f64);
         assert_eq!(short.values().len(), 8);
     }

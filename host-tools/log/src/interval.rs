@@ -1,6 +1,6 @@
 //! The usual time between rows.
 
-use crate::decimate::{Thinned, median};
+use crate::decimate::{Decimated, median};
 
 /// Intervals that are kept: of a longer log, an evenly spaced part.
 const MOST: usize = 1 << 16;
@@ -8,7 +8,7 @@ const MOST: usize = 1 << 16;
 /// The median time between the rows of a log, in memory that does not grow with it.
 #[derive(Debug)]
 pub struct Intervals {
-    kept: Thinned,
+    kept: Decimated,
     last_s: Option<f64>,
 }
 
@@ -22,7 +22,7 @@ impl Intervals {
     /// Of no rows.
     pub fn new() -> Self {
         Self {
-            kept: Thinned::new(MOST),
+            kept: Decimated::new(MOST),
             last_s: None,
         }
     }

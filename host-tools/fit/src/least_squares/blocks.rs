@@ -26,7 +26,7 @@ pub(crate) struct Block {
     pub(crate) log: usize,
     /// Time of the block's middle \[s\].
     pub(crate) time_s: f64,
-    /// Position in the digest of the log.
+    /// Position in the summary of the log.
     pub(crate) position: usize,
     /// Number of rows that are kept, at least 1.
     pub(crate) weight: f64,

@@ -7,7 +7,7 @@ use tempco_set::{Polynomial, Segment};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct AxisTerms {
     pub(crate) rate: bool,
-    pub(crate) states: bool,
+    pub(crate) history: bool,
 }
 
 /// How the bias per rate depends on the effective temperature.
@@ -21,18 +21,18 @@ pub(crate) enum RateForm {
     Hats,
 }
 
-/// Columns of the joint least squares.
+/// Columns of the least squares of a spline.
 ///
 /// In this order: `segments + 2` quadratic B-splines, which are C1 over the breakpoints and add up
 /// to 1; for several logs, one column less than logs, in which the constants of the logs differ
-/// from their mean; the rate columns; the earned states, one column each over the whole range.
+/// from their mean; the rate columns; the history terms, one column each over the whole range.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Basis {
     /// Ends of the range and the breakpoints between, ascending \[degC\].
     breakpoints_c: Vec<f64>,
     rate: RateForm,
     logs: usize,
-    states: usize,
+    history: usize,
 }
 
 /// A row of which few entries are not zero.
@@ -47,13 +47,13 @@ impl Basis {
             breakpoints_c,
             rate,
             logs,
-            states: 0,
+            history: 0,
         }
     }
 
-    /// The same basis with columns for earned states.
-    pub(crate) fn with_states(self, states: usize) -> Self {
-        Self { states, ..self }
+    /// The same basis with columns for history terms.
+    pub(crate) fn with_history(self, history: usize) -> Self {
+        Self { history, ..self }
     }
 
     pub(crate) fn breakpoints_c(&self) -> &[f64] {
@@ -81,22 +81,22 @@ impl Basis {
         self.static_columns() + self.logs - 1
     }
 
-    /// The columns before those of the earned states.
-    pub(crate) fn columns_without_states(&self) -> usize {
+    /// The columns before those of the history terms.
+    pub(crate) fn columns_without_history(&self) -> usize {
         self.columns_without_rate() + self.rate_columns()
     }
 
     pub(crate) fn columns(&self) -> usize {
-        self.columns_without_states() + self.states
+        self.columns_without_history() + self.history
     }
 
     /// The columns of an axis that has not all terms.
     pub(crate) fn columns_of(&self, terms: AxisTerms) -> Vec<usize> {
-        let rate = self.columns_without_rate()..self.columns_without_states();
-        let states = self.columns_without_states()..self.columns();
+        let rate = self.columns_without_rate()..self.columns_without_history();
+        let history = self.columns_without_history()..self.columns();
         (0..self.columns())
             .filter(|column| terms.rate || !rate.contains(column))
-            .filter(|column| terms.states || !states.contains(column))
+            .filter(|column| terms.history || !history.contains(column))
             .collect()
     }
 
@@ -117,9 +117,9 @@ impl Basis {
         self.rate_entries(segment, temp_c, rate, row);
     }
 
-    /// Appends the values of the earned states to a row.
-    pub(crate) fn push_states(&self, values: impl Iterator<Item = f64>, row: &mut SparseRow) {
-        row.extend((self.columns_without_states()..).zip(values));
+    /// Appends the values of the history terms to a row.
+    pub(crate) fn push_history(&self, values: impl Iterator<Item = f64>, row: &mut SparseRow) {
+        row.extend((self.columns_without_history()..).zip(values));
     }
 
     fn rate_entries(&self, segment: usize, temp_c: f64, rate: f64, row: &mut SparseRow) {

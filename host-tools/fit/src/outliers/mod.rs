@@ -5,7 +5,7 @@ mod disturbances;
 mod spikes;
 mod steps;
 
-pub(crate) use spikes::{SpikeScreen, window_rows};
+pub(crate) use spikes::{SpikeFilter, window_rows};
 
 use tempco::{TableError, ThermalSettings};
 use tempco_set::Screening;
@@ -17,7 +17,7 @@ use crate::summary::ChannelData;
 ///
 /// # Errors
 /// Settings that the core refuses.
-pub(crate) fn screen(
+pub(crate) fn leave_out(
     data: &mut ChannelData,
     settings: &ThermalSettings,
     robust: bool,

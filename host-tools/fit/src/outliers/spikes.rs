@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use tempco_log::decimate::{Thinned, median};
+use tempco_log::decimate::{Decimated, median};
 
 use crate::outliers::{SIGMA_PER_MAD, SIGMA_PER_STEP};
 use crate::summary::Rows;
@@ -38,7 +38,7 @@ pub(crate) fn window_rows(interval_s: f64) -> usize {
 /// between neighbours that differ, which is not below the step of a coarse output such as whole
 /// pulses. Both are medians over the log so far, and over its first 2^14 rows at least.
 #[derive(Clone, Debug)]
-pub(crate) struct SpikeScreen {
+pub(crate) struct SpikeFilter {
     axes: Vec<Scale>,
     /// Windows that are not judged yet; the last one's successor is still to come.
     waiting: VecDeque<Window>,
@@ -58,18 +58,18 @@ struct Window {
 /// What is out of the ordinary for an axis.
 #[derive(Clone, Debug)]
 struct Scale {
-    distances: Thinned,
-    steps: Thinned,
+    distances: Decimated,
+    steps: Decimated,
     /// Distances that the limit was taken from.
     counted: usize,
     limit: f64,
 }
 
-impl SpikeScreen {
+impl SpikeFilter {
     pub(crate) fn new(axes: usize) -> Self {
         let scale = Scale {
-            distances: Thinned::new(SCALE_VALUES),
-            steps: Thinned::new(SCALE_VALUES),
+            distances: Decimated::new(SCALE_VALUES),
+            steps: Decimated::new(SCALE_VALUES),
             counted: 0,
             limit: f64::INFINITY,
         };
@@ -224,7 +224,7 @@ mod tests {
 
     /// Positions of the spikes of a series.
     fn spikes(values: &[f64], window: usize) -> Vec<usize> {
-        let (mut screen, mut keep) = (SpikeScreen::new(1), Vec::new());
+        let (mut filter, mut keep) = (SpikeFilter::new(1), Vec::new());
         let mut judged = |rows: &Rows| keep.extend_from_slice(&rows.keep);
         for values in values.chunks(window) {
             let rows = Rows {
@@ -233,12 +233,12 @@ mod tests {
                 axes: vec![values.to_vec()],
                 ..Rows::default()
             };
-            screen.take(rows, &mut judged);
+            filter.take(rows, &mut judged);
         }
-        screen.finish(&mut judged);
+        filter.finish(&mut judged);
         assert_eq!(keep.len(), values.len());
         let found: Vec<usize> = (0..keep.len()).filter(|&row| !keep[row]).collect();
-        assert_eq!(screen.spikes(), found.len());
+        assert_eq!(filter.spikes(), found.len());
         found
     }
 

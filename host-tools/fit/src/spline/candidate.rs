@@ -33,7 +33,7 @@ pub(crate) struct Spline {
     pub(crate) layout: Layout,
     pub(crate) rate: RateForm,
     pub(crate) lag: Lag,
-    /// Earned states.
+    /// History terms.
     pub(crate) shape: Shape,
     /// For each axis, what helps it.
     pub(crate) axes: Vec<AxisTerms>,

@@ -55,16 +55,16 @@ impl HeldOut {
         Some(held_out)
     }
 
-    /// The spline model, with the values of its earned states block by block.
+    /// The spline model, with the values of its history terms block by block.
     pub(crate) fn spline(
         blocks: &Blocks,
         folds: &Folds,
         regressors: &Regressors,
         kappa: f64,
         basis: &Basis,
-        states: &[Vec<f64>],
+        history: &[Vec<f64>],
     ) -> Option<Self> {
-        let grams = regressors.grams(blocks, folds, basis, kappa, states);
+        let grams = regressors.grams(blocks, folds, basis, kappa, history);
         Self::linear(blocks, folds, &grams)
     }
 

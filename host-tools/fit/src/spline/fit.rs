@@ -12,13 +12,13 @@ use crate::least_squares::{Blocks, RateForm, SamplePoints};
 use crate::segments::solve::{LEAST_SPAN, Place, SegmentRows, Unfit};
 use crate::spline::candidate::Spline;
 use crate::spline::covariance::of_combinations;
-use crate::spline::history_terms::sample_states;
+use crate::spline::history_terms::sample_history;
 use crate::spline::rows::Rows;
 use crate::spline::solve::{AxisSolution, solve_axes};
 use crate::summary::ChannelData;
 
 /// Fits a spline model with the settings' thermal path at its lag; an axis without its rate terms
-/// or earned states keeps the rest.
+/// or history terms keeps the rest.
 pub(crate) fn fit(
     data: &ChannelData,
     settings: ThermalSettings,
@@ -57,7 +57,7 @@ pub(crate) fn fit(
     let range_c = (f64::from(calibrated_c.0), f64::from(calibrated_c.1));
     let mut sorted_c = blocks.temp_c.clone();
     sorted_c.sort_by(f64::total_cmp);
-    let unsolved = || FitError::Joint {
+    let unsolved = || FitError::Spline {
         segments: layout.segments(),
     };
     // The layout was tried on the means of blocks, which reach less far than their samples.
@@ -77,10 +77,10 @@ pub(crate) fn fit(
     });
     let covered = coverage(timed, &pieces, calibrated_c)?;
     let terms = shape.terms();
-    let basis = basis.with_states(terms.len());
-    let states = sample_states(&points, &terms);
+    let basis = basis.with_history(terms.len());
+    let history = sample_history(&points, &terms);
 
-    let rows = Rows::new(&points, &blocks, &basis, &states);
+    let rows = Rows::new(&points, &blocks, &basis, &history);
     let (solutions, condition) = solve_axes(&rows, &blocks, &basis, axes).ok_or_else(unsolved)?;
     let maps = basis.polynomial_maps();
     let mut polynomials = Vec::new();
@@ -101,7 +101,7 @@ pub(crate) fn fit(
             white: noise.white.sqrt(),
             walk: (3600.0 * noise.walk).sqrt(),
         }));
-        let first_state = basis.columns_without_states();
+        let first_state = basis.columns_without_history();
         let of_terms = (first_state..basis.columns()).map(|column| GainSet {
             gain: coefficients[column],
             sigma: covariance[(column, column)].max(0.0).sqrt(),
@@ -141,7 +141,7 @@ pub(crate) fn fit(
         noises,
         history: terms
             .into_iter()
-            .zip(&states)
+            .zip(&history)
             .map(|(term, values)| (term, most(values)))
             .collect(),
         gains,

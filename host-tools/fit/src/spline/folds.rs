@@ -6,30 +6,30 @@ use crate::least_squares::Blocks;
 const SOAK_C_PER_MIN: f64 = 0.1;
 
 /// A soak or ramp shorter than this belongs to the one before it \[s\].
-const LEAST_LEG_S: f64 = 600.0;
+const LEAST_S: f64 = 600.0;
 
-/// The most folds; with more legs, every so-many-th leg goes into the same fold.
+/// The most folds; with more soaks and ramps, every so-many-th goes into the same fold.
 const MOST_FOLDS: usize = 16;
 
 /// Ramps are of one rate up to this factor: a chamber does not hold its rate, and a part in it
 /// less.
 const SAME_RATE: f64 = 1.3;
 
-/// With fewer legs than this, time is cut into [`MOST_FOLDS`] equal parts instead, and nothing that
-/// depends on the rate can be judged: no temperature was passed twice at two rates. Logs of one leg
-/// each are cut as well, however many.
+/// With fewer soaks and ramps than this, time is cut into [`MOST_FOLDS`] equal parts instead, and
+/// nothing that depends on the rate can be judged: no temperature was passed twice at two rates.
+/// Logs of one soak or ramp each are cut as well, however many.
 pub(crate) const LEAST_FOLDS: usize = 4;
 
 /// For each block the fold in which it is left out, and the number of folds.
 ///
-/// A leg is a stretch of a log that heats, cools or soaks throughout, judged by `rates`
+/// A soak or ramp is a stretch of a log that heats, cools or soaks throughout, judged by `rates`
 /// \[degC/min\]. Each log is divided by itself, so that the order of logs does not matter.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Folds {
     pub(crate) of_block: Vec<usize>,
     pub(crate) count: usize,
     /// Soaks and ramps found in all logs.
-    pub(crate) legs: usize,
+    pub(crate) soaks_and_ramps: usize,
     /// Speeds of the ramps that differ, ascending \[degC/min\].
     pub(crate) ramp_rates: Vec<f64>,
 }
@@ -40,7 +40,7 @@ impl Folds {
         Self {
             of_block: vec![0; blocks.blocks.len()],
             count: 1,
-            legs: 1,
+            soaks_and_ramps: 1,
             ramp_rates: Vec::new(),
         }
     }
@@ -57,15 +57,15 @@ impl Folds {
             };
             let times: Vec<f64> = of_log.iter().map(|&i| blocks.blocks[i].time_s).collect();
             let rates = &rates[first..first + of_log.len()];
-            let found = legs_of(&times, rates);
+            let found = numbers_of(&times, rates);
             speeds.extend(ramp_speeds(&found, rates));
             of_logs.push(found);
         }
-        let count_of = |legs: &Vec<usize>| legs.last().map_or(0, |last| last + 1);
+        let count_of = |numbers: &Vec<usize>| numbers.last().map_or(0, |last| last + 1);
         let total = of_logs.iter().map(count_of).sum();
         // All of them would be left out at once.
-        let one_each = of_logs.iter().all(|legs| count_of(legs) == 1);
-        let mut legs = Vec::with_capacity(rates.len());
+        let one_each = of_logs.iter().all(|numbers| count_of(numbers) == 1);
+        let mut numbers = Vec::with_capacity(rates.len());
         let mut most = 0;
         for mut found in of_logs {
             let mut count = count_of(&found);
@@ -75,26 +75,26 @@ impl Folds {
                 count = MOST_FOLDS;
             }
             most = most.max(count);
-            legs.extend(found);
+            numbers.extend(found);
         }
         let count = most.clamp(1, MOST_FOLDS);
         Self {
-            of_block: legs.into_iter().map(|leg| leg % count).collect(),
+            of_block: numbers.into_iter().map(|number| number % count).collect(),
             count,
-            legs: total,
+            soaks_and_ramps: total,
             ramp_rates: distinct(speeds),
         }
     }
 }
 
-/// The median speed of each leg that is a ramp.
-fn ramp_speeds(legs: &[usize], rates: &[f64]) -> Vec<f64> {
-    let count = legs.last().map_or(0, |last| last + 1);
-    let mut of_leg = vec![Vec::new(); count];
-    for (&leg, rate) in legs.iter().zip(rates) {
-        of_leg[leg].push(rate.abs());
+/// The median speed of each ramp.
+fn ramp_speeds(numbers: &[usize], rates: &[f64]) -> Vec<f64> {
+    let count = numbers.last().map_or(0, |last| last + 1);
+    let mut of_number = vec![Vec::new(); count];
+    for (&number, rate) in numbers.iter().zip(rates) {
+        of_number[number].push(rate.abs());
     }
-    let medians = of_leg.into_iter().map(|mut speeds: Vec<f64>| {
+    let medians = of_number.into_iter().map(|mut speeds: Vec<f64>| {
         let middle = speeds.len() / 2;
         *speeds.select_nth_unstable_by(middle, f64::total_cmp).1
     });
@@ -116,8 +116,8 @@ fn distinct(mut speeds: Vec<f64>) -> Vec<f64> {
     found
 }
 
-/// Numbers the legs of one log.
-fn legs_of(times_s: &[f64], rates: &[f64]) -> Vec<usize> {
+/// Numbers the soaks and ramps of one log.
+fn numbers_of(times_s: &[f64], rates: &[f64]) -> Vec<usize> {
     let kind = |rate: f64| {
         if rate.abs() < SOAK_C_PER_MIN {
             0
@@ -138,7 +138,7 @@ fn legs_of(times_s: &[f64], rates: &[f64]) -> Vec<usize> {
         let stop_s = starts
             .get(number + 1)
             .map_or(end_s, |&(next, _)| times_s[next]);
-        let short = stop_s - times_s[start] < LEAST_LEG_S;
+        let short = stop_s - times_s[start] < LEAST_S;
         if kept
             .last()
             .is_none_or(|&(_, before)| !short && before != of)
@@ -146,11 +146,11 @@ fn legs_of(times_s: &[f64], rates: &[f64]) -> Vec<usize> {
             kept.push((start, of));
         }
     }
-    let mut legs = vec![0; rates.len()];
+    let mut numbers = vec![0; rates.len()];
     for (number, &(start, _)) in kept.iter().enumerate() {
-        legs[start..].fill(number);
+        numbers[start..].fill(number);
     }
-    legs
+    numbers
 }
 
 #[cfg(test)]
@@ -172,8 +172,8 @@ mod tests {
             .flat_map(|&(rate, count)| std::iter::repeat_n(rate, count))
             .collect();
         let times: Vec<f64> = (0..rates.len()).map(|i| 10.0 * i as f64).collect();
-        let legs = legs_of(&times, &rates);
-        let at = [0, 99, 100, 310, 379, 380, 679, 680].map(|i| legs[i]);
+        let numbers = numbers_of(&times, &rates);
+        let at = [0, 99, 100, 310, 379, 380, 679, 680].map(|i| numbers[i]);
         assert_eq!(at, [0, 0, 1, 1, 1, 2, 2, 3]);
     }
 }

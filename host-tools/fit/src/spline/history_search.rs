@@ -1,4 +1,4 @@
-//! The search for earned states: which terms, how wide, how slow.
+//! The search for history terms: which, how wide, how slow.
 //!
 //! Candidates on a grid are all put into one set of normal equations, from which any combination is
 //! a few rows and columns: combinations are compared exhaustively, on all data and again without

@@ -1,4 +1,4 @@
-//! Whether a unit earns states: by what they do on soaks and ramps that were left out.
+//! Selects history terms by cross-validation over soaks and ramps.
 
 use tempco::TableError;
 use tempco_set::{Selection, Term};
@@ -9,7 +9,7 @@ use crate::spline::candidate::{Choice, Spline, Tried};
 use crate::spline::cross_validation::HeldOut;
 use crate::spline::folds::Folds;
 use crate::spline::history_search::{Bounds, Kind, REFINEMENTS, best};
-use crate::spline::history_terms::{Shape, block_states, sort};
+use crate::spline::history_terms::{Shape, block_history, sort};
 use crate::spline::lag_search::Search;
 use crate::spline::model_selection::Question;
 use crate::spline::regressors::{Lag, Regressors};
@@ -18,7 +18,7 @@ impl Question<'_> {
     /// The `chosen` model, or the best spline of the `others` where it has no rate terms, with the
     /// states that it earns: the fewest within one standard error of the best, and only if the
     /// error of `chosen` is more than one standard error above. None where there are none.
-    pub(super) fn earned(
+    pub(super) fn with_history(
         &self,
         folds: &Folds,
         chosen: &Tried,
@@ -85,13 +85,13 @@ impl Question<'_> {
         };
         for (axis, with) in spline.axes.iter_mut().enumerate() {
             let (excess, sigma) = without.excess(&chosen.held_out, &[axis]);
-            with.states = excess > sigma;
-            if !with.states {
+            with.history = excess > sigma;
+            if !with.history {
                 chosen.held_out.squares[axis].clone_from(&without.squares[axis]);
                 chosen.candidate.rmse[axis] = without.mean_square(axis).sqrt();
             }
         }
-        Ok(spline.axes.iter().any(|axis| axis.states))
+        Ok(spline.axes.iter().any(|axis| axis.history))
     }
 
     /// Time constant and shift that go best with a play and a slow part: without these, they stand
@@ -130,7 +130,7 @@ impl Question<'_> {
         terms.extend(shapes.iter().flat_map(|(_, shape)| shape.terms()));
         sort(&mut terms);
         let grams = columns.grams(&terms, folds);
-        let leading = columns.basis.columns_without_states();
+        let leading = columns.basis.columns_without_history();
         shapes
             .into_iter()
             .filter_map(|(kind, shape)| {
@@ -146,7 +146,7 @@ impl Question<'_> {
                 spline.lag = columns.lag;
                 spline.shape = shape.clone();
                 for axis in &mut spline.axes {
-                    axis.states = true;
+                    axis.history = true;
                 }
                 let candidate = &mut tried.candidate;
                 candidate.columns += shape.terms().len();
@@ -194,8 +194,8 @@ impl<'a> Columns<'a> {
 
     fn grams(&self, terms: &[Term], folds: &Folds) -> Vec<Gram> {
         let blocks = self.question.blocks;
-        let states = block_states(blocks, self.regressors, self.lag.kappa, terms);
-        let basis = self.basis.clone().with_states(terms.len());
+        let states = block_history(blocks, self.regressors, self.lag.kappa, terms);
+        let basis = self.basis.clone().with_history(terms.len());
         self.regressors
             .grams(blocks, folds, &basis, self.lag.kappa, &states)
     }
@@ -216,7 +216,7 @@ impl<'a> Columns<'a> {
     fn best_of(&self, terms: &[Term], kinds: &[Kind]) -> Vec<Option<Shape>> {
         let whole = Folds::whole(self.question.blocks);
         let gram = &self.grams(terms, &whole)[0];
-        let reduced = gram.reduced(self.basis.columns_without_states());
+        let reduced = gram.reduced(self.basis.columns_without_history());
         let of_kind = |&kind: &Kind| {
             let found = best(reduced.as_ref()?, terms, kind)?;
             Some(Shape::of(found.into_iter().map(|position| terms[position])))

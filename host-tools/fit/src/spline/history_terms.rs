@@ -1,4 +1,4 @@
-//! Earned states: terms of the thermal history that the core can carry beside the five-term table.
+//! Terms of the thermal history that the core can carry beside the five-term table.
 //!
 //! Each is one column over the whole range, whose values come from the core's own
 //! [`HistoryState`]. A term depends on the effective temperature alone, so that terms are run one
@@ -22,7 +22,7 @@ const LONGEST_TAU_S: f32 = 6000.0;
 pub(crate) struct Shape {
     /// Half widths of the plays, ascending \[degC\].
     pub(crate) half_widths_c: Vec<f64>,
-    /// Time constant of the slow part \[s\].
+    /// Time constant of the second thermal lag \[s\].
     pub(crate) slow_tau_s: Option<f64>,
 }
 
@@ -98,7 +98,7 @@ pub(crate) fn follow(
 }
 
 /// The values of each term, block by block, from the effective temperatures of the blocks.
-pub(crate) fn block_states(
+pub(crate) fn block_history(
     blocks: &Blocks,
     regressors: &Regressors,
     kappa: f64,
@@ -134,7 +134,7 @@ pub(crate) fn block_states(
 }
 
 /// The values of each term by log and sample.
-pub(crate) fn sample_states(points: &SamplePoints, terms: &[Term]) -> Vec<Vec<Vec<f32>>> {
+pub(crate) fn sample_history(points: &SamplePoints, terms: &[Term]) -> Vec<Vec<Vec<f32>>> {
     let of_log = |term: &Term, log: usize| {
         let series = points
             .of_log(log)

@@ -4,7 +4,7 @@ use tempco::{TableError, ThermalSettings};
 
 use crate::least_squares::{Basis, Blocks, Gram};
 use crate::spline::folds::Folds;
-use crate::spline::history_terms::{Shape, block_states};
+use crate::spline::history_terms::{Shape, block_history};
 use crate::spline::regressors::{FixedLag, Lag, Regressors};
 use crate::summary::ChannelData;
 
@@ -56,7 +56,7 @@ pub(crate) struct Search<'a> {
     pub(crate) fixed: FixedLag,
     /// Makes the basis over a range of effective temperatures.
     pub(crate) layout: &'a dyn Fn((f64, f64)) -> Basis,
-    /// Earned states that go with it.
+    /// History terms that go with it.
     pub(crate) shape: &'a Shape,
 }
 
@@ -129,9 +129,9 @@ impl Search<'_> {
         let whole = Folds::whole(self.blocks);
         let terms = self.shape.terms();
         let cost = |kappa: f64| {
-            let basis = (self.layout)(regressors.range_c(kappa)).with_states(terms.len());
-            let states = block_states(self.blocks, &regressors, kappa, &terms);
-            let grams = regressors.grams(self.blocks, &whole, &basis, kappa, &states);
+            let basis = (self.layout)(regressors.range_c(kappa)).with_history(terms.len());
+            let history = block_history(self.blocks, &regressors, kappa, &terms);
+            let grams = regressors.grams(self.blocks, &whole, &basis, kappa, &history);
             log_likelihood(&grams[0], self.blocks.axes())
         };
         if let Some(kappa) = self.fixed.kappa {

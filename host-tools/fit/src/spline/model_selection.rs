@@ -10,7 +10,7 @@ use crate::spline::breakpoints::{Layout, MOST_SEGMENTS};
 use crate::spline::candidate::{Choice, Chosen, Spline, Tried};
 use crate::spline::cross_validation::HeldOut;
 use crate::spline::folds::{Folds, LEAST_FOLDS};
-use crate::spline::history_terms::{Shape, block_states};
+use crate::spline::history_terms::{Shape, block_history};
 use crate::spline::lag_search::Search;
 use crate::spline::regressors::{FixedLag, Lag, Regressors};
 use crate::summary::ChannelData;
@@ -60,14 +60,14 @@ impl Question<'_> {
             .map_or(0, |(position, _)| position);
         let mut chosen = tried.remove(chosen);
         if self.method.search().history
-            && let Some(earned) = self.earned(&folds, &chosen, &tried)?
+            && let Some(with_history) = self.with_history(&folds, &chosen, &tried)?
         {
-            tried.push(std::mem::replace(&mut chosen, earned));
+            tried.push(std::mem::replace(&mut chosen, with_history));
             compare(&mut tried, &chosen.held_out);
         }
         self.drop_rates_that_do_not_help(&folds, &mut chosen)?;
         let selection = Selection {
-            legs: folds.legs,
+            legs: folds.soaks_and_ramps,
             folds: folds.count,
             ramp_rates_c_per_min: folds.ramp_rates,
             chosen: chosen.candidate,
@@ -101,7 +101,7 @@ impl Question<'_> {
             Some(held_out.mean_square(axis).sqrt())
         };
         let of_axis = |axis: usize| HeldOutErrors {
-            legs: folds.legs,
+            legs: folds.soaks_and_ramps,
             folds: folds.count,
             none: none.mean_square(axis).sqrt(),
             cubic: rmse(&cubic, axis),
@@ -144,11 +144,11 @@ impl Question<'_> {
         }
         let (lag, terms) = (spline.lag, spline.shape.terms());
         let regressors = self.regressors(lag.tau_s)?;
-        let states = block_states(self.blocks, &regressors, lag.kappa, &terms);
+        let history = block_history(self.blocks, &regressors, lag.kappa, &terms);
         let basis = self.basis(&regressors, lag.kappa, (&spline.layout, RateForm::None));
         let held_out = basis.and_then(|basis| {
-            let basis = basis.with_states(terms.len());
-            HeldOut::spline(self.blocks, folds, &regressors, lag.kappa, &basis, &states)
+            let basis = basis.with_history(terms.len());
+            HeldOut::spline(self.blocks, folds, &regressors, lag.kappa, &basis, &history)
         });
         let Some(without) = held_out else {
             return Ok(());
@@ -190,7 +190,7 @@ impl Question<'_> {
             for (segment_model, held_out) in SEGMENT_MODELS.into_iter().zip(tried_here) {
                 let Some(held_out) = held_out else { continue };
                 let model = Model::from(segment_model);
-                if segment_model == SegmentModel::Composite && folds.legs < LEAST_FOLDS {
+                if segment_model == SegmentModel::Composite && folds.soaks_and_ramps < LEAST_FOLDS {
                     continue;
                 }
                 let kappa = f64::from(self.settings.kappa);
@@ -237,7 +237,7 @@ impl Question<'_> {
         let most = (((high - low) / LEAST_WIDTH_C) as usize).clamp(1, MOST_SEGMENTS);
         let start = Layout::uniform(SEARCH_SEGMENTS.min(most));
         let with_rates =
-            folds.legs >= LEAST_FOLDS && self.rates_can_be_told(base, &start, &sorted_c);
+            folds.soaks_and_ramps >= LEAST_FOLDS && self.rates_can_be_told(base, &start, &sorted_c);
         let none = Lag {
             tau_s: base.tau_s(),
             kappa: self.fixed.kappa.unwrap_or(0.0),
@@ -303,7 +303,7 @@ impl Question<'_> {
                             axes: vec![
                                 AxisTerms {
                                     rate: rate != RateForm::None,
-                                    states: false,
+                                    history: false,
                                 };
                                 self.blocks.axes()
                             ],

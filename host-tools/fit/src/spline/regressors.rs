@@ -72,15 +72,15 @@ impl<'a> Regressors<'a> {
         Blocks::range(&temps)
     }
 
-    /// The normal equations of each fold; `states` are the values of the earned ones, block by
-    /// block.
+    /// The normal equations of each fold; `history` are the values of the history terms, block
+    /// by block.
     pub(crate) fn grams(
         &self,
         blocks: &Blocks,
         folds: &Folds,
         basis: &Basis,
         kappa: f64,
-        states: &[Vec<f64>],
+        history: &[Vec<f64>],
     ) -> Vec<Gram> {
         let mut grams = vec![Gram::new(basis.columns(), blocks.axes()); folds.count];
         let mut row = SparseRow::new();
@@ -91,7 +91,7 @@ impl<'a> Regressors<'a> {
                 self.rates[i],
                 &mut row,
             );
-            basis.push_states(states.iter().map(|state| state[i]), &mut row);
+            basis.push_history(history.iter().map(|state| state[i]), &mut row);
             grams[folds.of_block[i]].push(&row, blocks.observations(i), block.weight);
         }
         grams

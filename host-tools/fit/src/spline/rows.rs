@@ -2,7 +2,7 @@
 
 use crate::least_squares::{Basis, Blocks, RFactor, SamplePoints, SparseRow};
 
-/// The rows of the joint least squares: for each block, the mean of the basis over its samples.
+/// The rows of the least squares of a spline: for each block, the mean of the basis over its samples.
 #[derive(Clone, Debug)]
 pub(crate) struct Rows {
     pub(crate) columns: usize,
@@ -13,13 +13,13 @@ pub(crate) struct Rows {
 }
 
 impl Rows {
-    /// Evaluates the basis at the core's points of every sample and takes means; `states` are the
-    /// values of the earned ones, each by log and sample.
+    /// Evaluates the basis at the core's points of every sample and takes means; `history` are
+    /// the values of the history terms, each by log and sample.
     pub(crate) fn new(
         points: &SamplePoints,
         blocks: &Blocks,
         basis: &Basis,
-        states: &[Vec<Vec<f32>>],
+        history: &[Vec<Vec<f32>>],
     ) -> Self {
         let columns = basis.columns();
         let mut values = vec![0.0; columns * blocks.blocks.len()];
@@ -30,10 +30,10 @@ impl Rows {
                 let point = &kept.point;
                 let (temp_c, rate) = (point.effective_c.into(), point.rate_c_per_min.into());
                 basis.row(block.log, temp_c, rate, &mut entries);
-                let values = states
+                let values = history
                     .iter()
                     .map(|state| state[block.log][kept.sample].into());
-                basis.push_states(values, &mut entries);
+                basis.push_history(values, &mut entries);
                 for &(column, value) in &entries {
                     mean[column] += kept.rows / rows * value;
                 }

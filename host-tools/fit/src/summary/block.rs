@@ -101,8 +101,8 @@ pub(crate) struct Rows {
     pub(crate) temp_c: Vec<f32>,
     pub(crate) effective_c: Vec<f32>,
     pub(crate) rate: Vec<f32>,
-    /// Whether the core believed the temperature.
-    pub(crate) believed: Vec<bool>,
+    /// Whether the core accepted the temperature.
+    pub(crate) accepted: Vec<bool>,
     /// Whether the row may enter a fit.
     pub(crate) keep: Vec<bool>,
     pub(crate) axes: Vec<Vec<f64>>,
@@ -116,7 +116,7 @@ impl Rows {
             temp_c: Vec::with_capacity(rows),
             effective_c: Vec::with_capacity(rows),
             rate: Vec::with_capacity(rows),
-            believed: Vec::with_capacity(rows),
+            accepted: Vec::with_capacity(rows),
             keep: Vec::with_capacity(rows),
             axes: (0..axes).map(|_| Vec::with_capacity(rows)).collect(),
         }

@@ -1,15 +1,15 @@
-//! One channel of a log on its way into a digest: core, screen, grid.
+//! One channel of a log on its way into a summary: core, spikes, grid.
 
 use tempco::{Interval, Thermal, ThermalState};
 use tempco_set::run::is_usable;
 
-use crate::outliers::{SpikeScreen, window_rows};
+use crate::outliers::{SpikeFilter, window_rows};
 use crate::summary::block::Rows;
 use crate::summary::grid::{Grid, MOST_BLOCKS};
-use crate::summary::{ChannelDigest, Plan};
+use crate::summary::{ChannelSummary, Plan};
 
-/// Runs the rows of a channel through the core and the screen into blocks.
-pub(super) struct ChannelDigester<'a> {
+/// Runs the rows of a channel through the core and the filter of spikes into blocks.
+pub(super) struct ChannelSummariser<'a> {
     plan: &'a Plan,
     state: ThermalState,
     interval: Interval,
@@ -17,13 +17,13 @@ pub(super) struct ChannelDigester<'a> {
     last_s: f64,
     window: Rows,
     window_rows: usize,
-    screen: Option<SpikeScreen>,
+    spikes: Option<SpikeFilter>,
     grid: Grid,
     unusable_rows: usize,
     excluded_rows: usize,
 }
 
-impl<'a> ChannelDigester<'a> {
+impl<'a> ChannelSummariser<'a> {
     /// Starts as firmware does after power-on, at the first temperature.
     pub(super) fn new(
         plan: &'a Plan,
@@ -43,7 +43,7 @@ impl<'a> ChannelDigester<'a> {
             last_s: first_s - interval_s,
             window: Rows::with_capacity(axes, window_rows),
             window_rows,
-            screen: plan.robust.then(|| SpikeScreen::new(axes)),
+            spikes: plan.robust.then(|| SpikeFilter::new(axes)),
             grid: Grid::new(axes, first_s - 0.5 * interval_s, plan.block_s, MOST_BLOCKS),
             unusable_rows: 0,
             excluded_rows: 0,
@@ -84,11 +84,11 @@ impl<'a> ChannelDigester<'a> {
             rows.effective_c.push(point.effective_c);
             rows.rate.push(point.rate_c_per_min);
             let usable = is_usable(&point);
-            rows.believed.push(usable);
+            rows.accepted.push(usable);
             self.unusable_rows += usize::from(!usable);
         }
         rows.keep
-            .extend_from_slice(&rows.believed[rows.keep.len()..]);
+            .extend_from_slice(&rows.accepted[rows.keep.len()..]);
         for stretch in &self.plan.exclude {
             let first = rows.time_s.len() - time_s.len();
             for (time_s, keep) in rows.time_s[first..].iter().zip(&mut rows.keep[first..]) {
@@ -102,24 +102,24 @@ impl<'a> ChannelDigester<'a> {
     fn close_window(&mut self) {
         let next = Rows::with_capacity(self.window.axes.len(), self.window_rows);
         let window = std::mem::replace(&mut self.window, next);
-        match &mut self.screen {
-            Some(screen) => screen.take(window, &mut |rows| self.grid.take(rows)),
+        match &mut self.spikes {
+            Some(spikes) => spikes.take(window, &mut |rows| self.grid.take(rows)),
             None => self.grid.take(&window),
         }
     }
 
-    /// The digest, without names.
-    pub(super) fn finish(mut self) -> ChannelDigest {
+    /// The summary, without names.
+    pub(super) fn finish(mut self) -> ChannelSummary {
         self.close_window();
         let mut white_sigmas = vec![0.0; self.window.axes.len()];
         let mut spike_rows = 0;
-        if let Some(screen) = &mut self.screen {
-            screen.finish(&mut |rows| self.grid.take(rows));
-            white_sigmas = screen.white_sigmas();
-            spike_rows = screen.spikes();
+        if let Some(spikes) = &mut self.spikes {
+            spikes.finish(&mut |rows| self.grid.take(rows));
+            white_sigmas = spikes.white_sigmas();
+            spike_rows = spikes.spikes();
         }
         let (blocks, samples, block_s) = self.grid.finish();
-        ChannelDigest {
+        ChannelSummary {
             column: String::new(),
             axes: Vec::new(),
             blocks,

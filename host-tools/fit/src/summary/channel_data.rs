@@ -1,10 +1,10 @@
 //! One channel in all logs of a fit.
 
-use crate::summary::{Block, ChannelDigest, Extremes, LogDigest, Moments};
+use crate::summary::{Block, ChannelSummary, Extremes, LogSummary, Moments};
 
 /// The blocks of one channel in all logs, and which of them are fitted.
 pub(crate) struct ChannelData<'a> {
-    pub(crate) logs: &'a [LogDigest],
+    pub(crate) logs: &'a [LogSummary],
     pub(crate) channel: usize,
     /// For each log and block, whether it may enter a fit.
     pub(crate) keep: Vec<Vec<bool>>,
@@ -15,7 +15,7 @@ pub(crate) struct ChannelData<'a> {
 
 impl<'a> ChannelData<'a> {
     /// The blocks with any rows.
-    pub(crate) fn new(logs: &'a [LogDigest], channel: usize) -> Self {
+    pub(crate) fn new(logs: &'a [LogSummary], channel: usize) -> Self {
         let keep = logs.iter().map(|log| {
             let blocks = log.channels[channel].blocks.iter();
             blocks.map(|block| block.moments.rows > 0).collect()
@@ -30,7 +30,7 @@ impl<'a> ChannelData<'a> {
     }
 
     /// The channel in a log.
-    pub(crate) fn of(&self, log: usize) -> &'a ChannelDigest {
+    pub(crate) fn of(&self, log: usize) -> &'a ChannelSummary {
         &self.logs[log].channels[self.channel]
     }
 

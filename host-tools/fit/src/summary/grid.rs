@@ -29,7 +29,7 @@ pub(crate) struct Sample {
     number: u64,
     /// Mean time of its rows \[s\].
     pub(crate) time_s: f64,
-    /// Mean temperature of the rows that the core believed, of all rows if it believed none
+    /// Mean temperature of the rows that the core accepted, of all rows if it accepted none
     /// \[degC\].
     pub(crate) temp_c: f32,
     /// Rows of that mean.
@@ -148,15 +148,15 @@ impl Grid {
 
 impl Sample {
     fn of(number: u64, rows: &Rows, range: Range<usize>) -> Self {
-        let believed = rows.believed[range.clone()].iter().filter(|&&b| b).count();
+        let accepted = rows.accepted[range.clone()].iter().filter(|&&b| b).count();
         let (mut temp_c, mut time_s) = (0.0, 0.0);
         for row in range.clone() {
-            if rows.believed[row] || believed == 0 {
+            if rows.accepted[row] || accepted == 0 {
                 temp_c += f64::from(rows.temp_c[row]);
                 time_s += rows.time_s[row] - rows.time_s[range.start];
             }
         }
-        let count = if believed == 0 { range.len() } else { believed };
+        let count = if accepted == 0 { range.len() } else { accepted };
         Self {
             number,
             time_s: rows.time_s[range.start] + time_s / count as f64,

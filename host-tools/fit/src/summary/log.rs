@@ -1,31 +1,31 @@
-//! Digests whole logs: from a file as it is read, or from memory.
+//! Summarises whole logs: from a file as it is read, or from memory.
 
 use std::path::Path;
 
 use tempco_log::{Chunk, Intervals, Log, LogError, LogStream, ReadOptions};
 
-use crate::summary::channel::ChannelDigester;
-use crate::summary::{AxisName, ChannelDigest, LogDigest, Plan};
+use crate::summary::channel::ChannelSummariser;
+use crate::summary::{AxisName, ChannelSummary, LogSummary, Plan};
 
 /// Rows from which the interval is taken that the core's first step and the grid start with.
 const FIRST_ROWS: usize = 4096;
 
-/// Digests the log at `path` in one pass, in memory that does not depend on its length, telling
+/// Summarises the log at `path` in one pass, in memory that does not depend on its length, telling
 /// `observer` from time to time how many more bytes of the file were read.
 ///
 /// # Errors
 /// Those of [`read_log`](tempco_log::read_log).
-pub fn digest_file(
+pub fn summarise_file(
     path: &Path,
     options: &ReadOptions,
     plan: &Plan,
     mut observer: impl FnMut(u64),
-) -> Result<LogDigest, LogError> {
+) -> Result<LogSummary, LogError> {
     let mut stream = LogStream::open(path, options)?;
     let (mut told, mut rows) = (0, 0);
     let mut intervals = Intervals::new();
     let mut first = stream.empty_chunk();
-    let mut digester: Option<LogDigester> = None;
+    let mut summariser: Option<LogSummariser> = None;
     let (mut first_s, mut last_s) = (0.0, 0.0);
     while let Some(chunk) = stream.next_chunk()? {
         intervals.take(&chunk.time_s);
@@ -34,12 +34,12 @@ pub fn digest_file(
         }
         last_s = chunk.time_s.last().copied().unwrap_or(last_s);
         rows += chunk.rows();
-        match &mut digester {
-            Some(digester) => digester.take_chunk(&chunk),
+        match &mut summariser {
+            Some(summariser) => summariser.take_chunk(&chunk),
             None => {
                 first.append(&chunk);
                 if first.rows() >= FIRST_ROWS {
-                    digester = Some(LogDigester::start(plan, &stream, &first));
+                    summariser = Some(LogSummariser::start(plan, &stream, &first));
                 }
             }
         }
@@ -50,9 +50,9 @@ pub fn digest_file(
     if rows < 2 {
         return Err(LogError::too_few_rows(path, rows));
     }
-    let digester = digester.unwrap_or_else(|| LogDigester::start(plan, &stream, &first));
+    let summariser = summariser.unwrap_or_else(|| LogSummariser::start(plan, &stream, &first));
     let interval_s = intervals.median_s();
-    let mut channels = digester.finish();
+    let mut channels = summariser.finish();
     for (columns, channel) in stream.channels().iter().zip(&mut channels) {
         channel.column.clone_from(&stream.header()[columns.temp]);
         for (axis, (_, column)) in columns.axes.iter().enumerate() {
@@ -66,7 +66,7 @@ pub fn digest_file(
             });
         }
     }
-    Ok(LogDigest {
+    Ok(LogSummary {
         plan: plan.clone(),
         file: path
             .file_name()
@@ -83,28 +83,28 @@ pub fn digest_file(
     })
 }
 
-/// Digests a log that was read.
+/// Summarises a log that was read.
 ///
 /// # Panics
 /// If the log has no row.
-pub fn digest_log(log: &Log, plan: &Plan) -> LogDigest {
+pub fn summarise_log(log: &Log, plan: &Plan) -> LogSummary {
     let (first_s, last_s) = (log.time_s[0], log.time_s[log.rows() - 1]);
     let channels = log.channels.iter().map(|channel| {
         let start = (first_s, log.interval_s);
         let axes: Vec<&[f64]> = channel.axes.iter().map(|axis| &axis.raw[..]).collect();
-        let mut digester = ChannelDigester::new(plan, axes.len(), start, channel.temp_c[0]);
-        digester.take(&log.time_s, &channel.temp_c, &axes);
+        let mut summariser = ChannelSummariser::new(plan, axes.len(), start, channel.temp_c[0]);
+        summariser.take(&log.time_s, &channel.temp_c, &axes);
         let names = channel.axes.iter().map(|axis| AxisName {
             name: axis.name.clone(),
             unit: axis.unit,
         });
-        ChannelDigest {
+        ChannelSummary {
             column: channel.column.clone(),
             axes: names.collect(),
-            ..digester.finish()
+            ..summariser.finish()
         }
     });
-    LogDigest {
+    LogSummary {
         plan: plan.clone(),
         file: log.file.clone(),
         sha256: log.sha256.clone(),
@@ -118,11 +118,11 @@ pub fn digest_log(log: &Log, plan: &Plan) -> LogDigest {
 }
 
 /// All channels of a stream.
-struct LogDigester<'a> {
-    channels: Vec<(ChannelDigester<'a>, std::ops::Range<usize>)>,
+struct LogSummariser<'a> {
+    channels: Vec<(ChannelSummariser<'a>, std::ops::Range<usize>)>,
 }
 
-impl<'a> LogDigester<'a> {
+impl<'a> LogSummariser<'a> {
     /// Starts with the first rows, of which there is one at least.
     fn start(plan: &'a Plan, stream: &LogStream, first: &Chunk) -> Self {
         let mut intervals = Intervals::new();
@@ -133,14 +133,14 @@ impl<'a> LogDigester<'a> {
         let channels = channels.map(|(columns, temp_c)| {
             let axes = axis..axis + columns.axes.len();
             axis = axes.end;
-            let digester = ChannelDigester::new(plan, axes.len(), start, temp_c[0]);
-            (digester, axes)
+            let summariser = ChannelSummariser::new(plan, axes.len(), start, temp_c[0]);
+            (summariser, axes)
         });
-        let mut digester = Self {
+        let mut summariser = Self {
             channels: channels.collect(),
         };
-        digester.take_chunk(first);
-        digester
+        summariser.take_chunk(first);
+        summariser
     }
 
     fn take_chunk(&mut self, chunk: &Chunk) {
@@ -150,13 +150,13 @@ impl<'a> LogDigester<'a> {
         }
     }
 
-    fn finish(self) -> Vec<ChannelDigest> {
+    fn finish(self) -> Vec<ChannelSummary> {
         let channels = self.channels.into_iter();
         channels.map(|(channel, _)| channel.finish()).collect()
     }
 }
 
-impl ChannelDigest {
+impl ChannelSummary {
     /// Multiplies the values of an axis.
     fn scale(&mut self, axis: usize, factor: f64) {
         for block in &mut self.blocks {

@@ -1,16 +1,16 @@
 //! Logs reduced to a fixed size in one pass: all that a fit needs of them.
 //!
 //! ```text
-//! rows -> core -> screen (excluded, unusable, spikes) -+-> blocks of 10 s: moments of regressors and axes
+//! rows -> core -> outliers (excluded, unusable, spikes) -+-> blocks of 10 s: moments of regressors and axes
 //!                                                      +-> samples of 1 s: mean temperatures
 //! ```
 //!
-//! A digest holds 16,384 blocks at most, 45 h of 10 s each. With a
+//! A summary holds 16,384 blocks at most, 45 h of 10 s each. With a
 //! longer log, neighbours merge whenever there are more, and blocks and samples get twice as long:
 //! memory does not depend on the length of the log.
 //!
 //! The blocks hold the regressors that the core computed row by row. For the settings that a fit
-//! tries later, the core runs over the samples (`ChannelDigest::points`).
+//! tries later, the core runs over the samples (`ChannelSummary::points`).
 
 mod block;
 mod channel;
@@ -24,13 +24,13 @@ pub(crate) use block::{Extremes, Moments, Rows};
 pub(crate) use channel_data::ChannelData;
 pub(crate) use grid::Block;
 use grid::Sample;
-pub use log::{digest_file, digest_log};
+pub use log::{summarise_file, summarise_log};
 
 use tempco::{Interval, Thermal, ThermalPoint, ThermalState};
 use tempco_log::AxisUnit;
 use tempco_set::Stretch;
 
-/// What must be known before a log is digested; see [`FitOptions::plan`](crate::FitOptions::plan).
+/// What must be known before a log is summarised; see [`FitOptions::plan`](crate::FitOptions::plan).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
     /// Settings of the thermal path, with limits that no rate reaches.
@@ -42,9 +42,9 @@ pub struct Plan {
     pub(crate) block_s: f64,
 }
 
-/// A digested log.
+/// A summarised log.
 #[derive(Clone, Debug, PartialEq)]
-pub struct LogDigest {
+pub struct LogSummary {
     pub(crate) plan: Plan,
     pub(crate) file: String,
     pub(crate) sha256: String,
@@ -53,10 +53,10 @@ pub struct LogDigest {
     pub(crate) interval_s: f64,
     pub(crate) duration_s: f64,
     pub(crate) ignored_columns: Vec<String>,
-    pub(crate) channels: Vec<ChannelDigest>,
+    pub(crate) channels: Vec<ChannelSummary>,
 }
 
-impl LogDigest {
+impl LogSummary {
     /// Name of the file, without its folders.
     pub fn file(&self) -> &str {
         &self.file
@@ -73,9 +73,9 @@ impl LogDigest {
     }
 }
 
-/// A digested temperature with its axes.
+/// A summarised temperature with its axes.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct ChannelDigest {
+pub(crate) struct ChannelSummary {
     /// Name of the temperature column.
     pub(crate) column: String,
     pub(crate) axes: Vec<AxisName>,
@@ -86,7 +86,7 @@ pub(crate) struct ChannelDigest {
     /// For each axis the standard deviation of its rows' white noise \[unit of the axis\]; 0 if
     /// spikes were not looked for.
     pub(crate) white_sigmas: Vec<f64>,
-    /// Rows whose temperature or interval was not believed.
+    /// Rows whose temperature or interval was not accepted.
     pub(crate) unusable_rows: usize,
     /// Rows in excluded stretches.
     pub(crate) excluded_rows: usize,
@@ -110,7 +110,7 @@ pub(crate) struct SamplePoint {
     pub(crate) kept: f64,
 }
 
-impl ChannelDigest {
+impl ChannelSummary {
     /// Runs the core over the samples, as if each were a row: what the channel's effective
     /// temperature and rate are under other settings than those of the plan.
     ///

@@ -1,4 +1,4 @@
-//! What a digest must keep of its rows.
+//! What a summary must keep of its rows.
 
 use std::fmt::Write;
 
@@ -14,7 +14,7 @@ use super::*;
 use crate::least_squares::RFactor;
 use crate::summary::ChannelData;
 use crate::testing::white;
-use crate::{FitOptions, fit, fit_digests};
+use crate::{FitOptions, fit, fit_summaries};
 
 /// Rows of a channel with one axis, at irregular times, some not kept.
 fn rows(count: usize, interval_s: f64, seed: u64) -> Rows {
@@ -27,7 +27,7 @@ fn rows(count: usize, interval_s: f64, seed: u64) -> Rows {
             .push((20.0 + 0.01 * time_s + 0.1 * noise) as f32);
         rows.effective_c.push((19.0 + 0.01 * time_s) as f32);
         rows.rate.push((0.6 + 0.05 * noise) as f32);
-        rows.believed.push(i % 11 != 3);
+        rows.accepted.push(i % 11 != 3);
         rows.keep.push(i % 11 != 3 && i % 7 != 2);
         rows.axes[0].push(5.0 + 0.001 * time_s + noise);
     }
@@ -149,14 +149,14 @@ fn coefficients(set: &tempco_set::CoefficientSet) -> Vec<(f64, f64)> {
         .collect()
 }
 
-/// Logs that were digested apart, from files and chunk by chunk, give the fit of the logs.
+/// Logs that were summarised apart, from files and chunk by chunk, give the fit of the logs.
 #[test]
-fn digests_of_files_are_fitted_like_the_logs() {
-    let options = FitOptions::new("DIGEST", Model::Composite);
+fn summaries_of_files_are_fitted_like_the_logs() {
+    let options = FitOptions::new("SUMMARY", Model::Composite);
     let plan = options.plan().unwrap();
     let folder = tempfile::tempdir().unwrap();
     let mut logs = Vec::new();
-    let mut digests = Vec::new();
+    let mut summaries = Vec::new();
     for seed in [1, 2] {
         let log = simulated(seed, 2.0);
         let mut text = String::from("time_s,temp_c,x_pulses,y_pulses,z_pulses\n");
@@ -171,11 +171,11 @@ fn digests_of_files_are_fitted_like_the_logs() {
         let path = folder.path().join(format!("{seed}.csv"));
         std::fs::write(&path, text).unwrap();
         let reading = ReadOptions::default();
-        digests.push(digest_file(&path, &reading, &plan, |_| ()).unwrap());
+        summaries.push(summarise_file(&path, &reading, &plan, |_| ()).unwrap());
         logs.push(read_log(&path, &reading).unwrap());
     }
     let expected = fit(&logs, &options).unwrap();
-    let found = fit_digests(&digests, &options).unwrap();
+    let found = fit_summaries(&summaries, &options).unwrap();
     assert_eq!(found.judge(), expected.judge());
     let inputs = |set: &tempco_set::CoefficientSet| set.provenance.inputs.clone();
     assert_eq!(inputs(&found.set), inputs(&expected.set));
@@ -187,8 +187,8 @@ fn digests_of_files_are_fitted_like_the_logs() {
             "{found} {expected}"
         );
     }
-    digests.reverse();
-    let turned = coefficients(&fit_digests(&digests, &options).unwrap().set);
+    summaries.reverse();
+    let turned = coefficients(&fit_summaries(&summaries, &options).unwrap().set);
     let whole = fit(&logs, &options).unwrap().set;
     for ((found, _), (expected, sigma)) in turned.into_iter().zip(coefficients(&whole)) {
         assert!(
@@ -219,8 +219,8 @@ fn regressors_from_samples_are_as_good_as_those_from_rows() {
             },
             ..FitOptions::new("SAMPLES", Model::Composite)
         };
-        let digests = [digest_log(&log, &options.plan().unwrap())];
-        let data = ChannelData::new(&digests, 0);
+        let summaries = [summarise_log(&log, &options.plan().unwrap())];
+        let data = ChannelData::new(&summaries, 0);
         let points = data
             .of(0)
             .points(&with_every_rate(options.thermal).unwrap());
@@ -296,7 +296,7 @@ fn means_of_a_long_log_are_made_of_whole_blocks() {
 }
 
 #[test]
-fn a_digest_is_bounded() {
+fn a_summary_is_bounded() {
     assert_eq!(MOST_BLOCKS, 16_384);
     let rows = rows(40_000, 12.0, 4);
     let (blocks, samples, block_s) = grid_of(&rows, MOST_BLOCKS).finish();

@@ -1,6 +1,6 @@
 """Writes reference.csv: least squares of the spline model by scipy's B-splines and numpy.
 
-The rows are made by the formulas of `joint::reference` in the library, which reads the file.
+The rows are made by the formulas of `least_squares::reference` in the library, which reads the file.
 Run with numpy 2.4.6 and scipy 1.17.1.
 """
 

@@ -1,4 +1,4 @@
-//! Plays and slow parts: found where they are, not found where they are not, and carried from the
+//! Plays and second thermal lags: found where they are, not found where they are not, and carried from the
 //! set to the table that flies.
 
 mod worlds;
@@ -35,7 +35,7 @@ const WHOLE: Unit = Unit {
 /// Noise of a row of ten seconds.
 const WHITE: f64 = 0.01;
 
-/// Steps of the random walk from row to row: little, and as much as the states themselves by the
+/// Steps of the random walk from row to row: little, and as much as the history terms themselves by the
 /// end of a log.
 const CALM: f64 = 1e-5;
 const RESTLESS: f64 = 5e-5;
@@ -122,20 +122,20 @@ fn width_time_constant_and_gains_of_a_unit_are_recovered() {
 }
 
 #[test]
-fn a_unit_without_states_earns_none() {
+fn a_unit_without_history_gets_no_history_terms() {
     let seeds = 10;
-    let earned = (1..=seeds)
+    let found = (1..=seeds)
         .filter(|&seed| {
             let set = fitted(&run(PLAIN, Programme::ManyRates, seed, RESTLESS)).set;
             !set.channels[0].axes[0].gains.is_empty()
         })
         .count();
-    println!("{earned} of {seeds}");
-    assert!(earned <= 1);
+    println!("{found} of {seeds}");
+    assert!(found <= 1);
 }
 
 #[test]
-fn one_rate_earns_none_and_says_so() {
+fn one_rate_gives_no_history_terms_and_says_so() {
     let fit = fitted(&run(WHOLE, Programme::OneRate, 1, CALM));
     assert!(fit.set.channels[0].axes[0].gains.is_empty());
     let rates = &fit.set.channels[0].selection.as_ref().unwrap();
@@ -146,7 +146,7 @@ fn one_rate_earns_none_and_says_so() {
 }
 
 #[test]
-fn states_can_be_declined() {
+fn history_terms_can_be_declined() {
     let log = run(WHOLE, Programme::ManyRates, 1, CALM);
     let method = Method::Spline {
         segmentation: None,
@@ -190,7 +190,7 @@ fn order_of_logs_and_units_do_not_matter() {
     }
 }
 
-/// A set of printed coefficients with states put to it.
+/// A set of printed coefficients with history terms put to it.
 fn example() -> CoefficientSet {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("printed.csv");
@@ -219,7 +219,7 @@ fn example() -> CoefficientSet {
 }
 
 #[test]
-fn sets_keep_their_states_and_the_crc_covers_them() {
+fn sets_keep_their_history_terms_and_the_crc_covers_them() {
     let set = example();
     let text = serde_json::to_string(&set).unwrap();
     assert_eq!(CoefficientSet::from_json(&text).unwrap(), set);
@@ -234,7 +234,7 @@ fn sets_keep_their_states_and_the_crc_covers_them() {
         assert_ne!(damaged, text);
         assert!(CoefficientSet::from_json(&damaged).is_err(), "{to}");
     }
-    // Without states, nothing of them is written.
+    // Without history terms, nothing of them is written.
     let part = set.static_part().unwrap();
     let text = serde_json::to_string(&part).unwrap();
     assert!(!text.contains("plays") && !text.contains("slow_parts") && !text.contains("gains"));
@@ -246,17 +246,17 @@ fn sets_keep_their_states_and_the_crc_covers_them() {
     reason = "written for firmware, which has it in a module of its library"
 )]
 mod emitted {
-    include!("states/table.rs");
+    include!("history/table.rs");
 }
 
-/// `states/table.rs` is what is written for the example, compiles, and does what `apply` does.
+/// `history/table.rs` is what is written for the example, compiles, and does what `apply` does.
 #[test]
 fn the_emitted_table_flies_what_is_applied() {
     let set = example();
     let text = table_rs(&set);
     // The first line names the version.
     let without_first = |text: &str| text.split_once('\n').unwrap().1.to_owned();
-    let expected = without_first(include_str!("states/table.rs"));
+    let expected = without_first(include_str!("history/table.rs"));
     assert_eq!(without_first(&text), expected, "as written:\n{text}");
 
     let mut log = simulate(World::Paper, Programme::MidRamp, 1, 1).log;
