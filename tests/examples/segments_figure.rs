@@ -57,9 +57,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (first, last) = (channel.segments[0].t_min_c, channel.segments[3].t_max_c);
     let applied = temps(first, last).map(|temp_c| {
         let place = (cells * (temp_c - first) / (last - first)).min(cells - 1e-9);
-        let [a0, a1, a2, ..] = channel.table.cells[place as usize][0].map(f64::from);
-        let z = place.fract();
-        (temp_c, a0 + z * (a1 + z * a2))
+        let (terms, z) = (channel.table.cells[place as usize][0], place.fract());
+        let powers = terms.a.into_iter().rev();
+        let bias = powers.fold(0.0, |sum, value| f64::from(value) + z * sum);
+        (temp_c, bias)
     });
     chart
         .draw_series(LineSeries::new(applied, BLACK.mix(0.25).stroke_width(9)))?

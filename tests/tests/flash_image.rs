@@ -54,7 +54,7 @@ fn the_image_holds_the_tables_of_the_set() {
         assert_eq!(image.channels(), set.channels.len());
         let data = &set.channels[0].table;
         let cells = data.terms::<3>(0);
-        let table = data.five_term_table(&cells).unwrap();
+        let table = data.table_over(&cells).unwrap();
         assert_eq!(image.table::<3, 0, 0>(0).unwrap(), table);
 
         let data = &with_history(&bench).channels[0].table;

@@ -106,9 +106,8 @@ impl<'a> Channel<'a> {
 
 fn jumps(cold: &Terms, hot: &Terms, rate_c_per_min: f32) -> bool {
     let magnitude = |terms: &Terms| {
-        let [a0, a1, a2] = terms.a.map(f32::abs);
-        let [r0, r1] = terms.r.map(f32::abs);
-        a0 + a1 + a2 + rate_c_per_min.abs() * (r0 + r1)
+        let sum = |values: &[f32]| values.iter().map(|value| value.abs()).sum::<f32>();
+        sum(&terms.a) + rate_c_per_min.abs() * sum(&terms.r)
     };
     let jump = hot.bias(0.0, rate_c_per_min) - cold.bias(1.0, rate_c_per_min);
     let limit = JUMP_TOLERANCE * (magnitude(cold) + magnitude(hot));

@@ -70,7 +70,8 @@ pub(crate) const CHANNEL_LEN: usize = size_of::<RawChannel>();
 pub(crate) const TERMS_LEN: usize = size_of::<tempco::Terms>();
 
 const _: () = {
-    assert!(HEADER_LEN == 72 && HEADER_CRC_AT == 68 && CHANNEL_LEN == 72 && TERMS_LEN == 20);
+    assert!(HEADER_LEN == 72 && HEADER_CRC_AT == 68 && CHANNEL_LEN == 72);
+    assert!(TERMS_LEN == 4 * tempco::Terms::COUNT);
     assert!(offset_of!(RawHeader, total_len) == 12 && offset_of!(RawHeader, channels) == 24);
     assert!(offset_of!(RawHeader, flags) == 28 && offset_of!(RawHeader, serial) == 36);
     assert!(offset_of!(RawChannel, cells) == 60 && offset_of!(RawChannel, units) == 64);

@@ -8,14 +8,11 @@ use tempco::{Play, SlowPart, Terms, ThermalSettings};
 use tempco_image::{AlignedBytes, Channel, ChannelHistory, Image, Info, Unit, encode};
 
 fn terms() -> impl Strategy<Value = Terms> {
-    let number = || any::<u32>().prop_map(f32::from_bits);
-    ([number(), number(), number()], [number(), number()]).prop_map(|(a, r)| Terms { a, r })
+    any::<[u32; Terms::COUNT]>().prop_map(|bits| Terms::from_array(bits.map(f32::from_bits)))
 }
 
 fn bits(cells: &[Terms]) -> Vec<u32> {
-    let numbers = cells
-        .iter()
-        .flat_map(|terms| terms.a.into_iter().chain(terms.r));
+    let numbers = cells.iter().flat_map(Terms::to_array);
     numbers.map(f32::to_bits).collect()
 }
 

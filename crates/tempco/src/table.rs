@@ -20,12 +20,17 @@ pub const MAX_AXES: usize = 6;
     feature = "zerocopy",
     derive(zerocopy::FromBytes, zerocopy::IntoBytes, zerocopy::Immutable)
 )]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(into = "[f32; Terms::COUNT]", from = "[f32; Terms::COUNT]")
+)]
 #[repr(C)]
 pub struct Terms {
     /// Bias at zero rate: `a[0] + a[1] z + a[2] z^2` \[unit of the axis\].
-    pub a: [f32; 3],
+    pub a: [f32; Terms::STATIC],
     /// Bias per rate: `r[0] + r[1] z` \[unit of the axis per degC/min\].
-    pub r: [f32; 2],
+    pub r: [f32; Terms::RATE],
 }
 
 impl Terms {
@@ -39,7 +44,7 @@ impl Terms {
     }
 
     const fn is_usable(&self) -> bool {
-        let values = [self.a[0], self.a[1], self.a[2], self.r[0], self.r[1]];
+        let values = self.to_array();
         let mut i = 0;
         while i < values.len() {
             if !is_within(values[i], -MAX_COEFFICIENT, MAX_COEFFICIENT) {
@@ -48,6 +53,51 @@ impl Terms {
             i += 1;
         }
         true
+    }
+}
+
+/// The list of terms, and conversions to and from arrays in its order.
+macro_rules! in_order {
+    ([$($a:ident),+], [$($r:ident),+]) => {
+        impl Terms {
+            /// Number of static coefficients, `a`.
+            pub const STATIC: usize = [$(stringify!($a)),+].len();
+
+            /// Number of rate coefficients, `r`.
+            pub const RATE: usize = [$(stringify!($r)),+].len();
+
+            /// Number of all coefficients.
+            pub const COUNT: usize = Self::STATIC + Self::RATE;
+
+            /// Names of the coefficients: those of `a`, then those of `r`, lowest power first.
+            pub const NAMES: [&'static str; Self::COUNT] =
+                [$(stringify!($a),)+ $(stringify!($r)),+];
+
+            /// The coefficients in the order of [`NAMES`](Self::NAMES).
+            pub const fn to_array(&self) -> [f32; Self::COUNT] {
+                let ([$($a),+], [$($r),+]) = (self.a, self.r);
+                [$($a,)+ $($r),+]
+            }
+
+            /// The inverse of [`to_array`](Self::to_array).
+            pub const fn from_array([$($a,)+ $($r),+]: [f32; Self::COUNT]) -> Self {
+                Self { a: [$($a),+], r: [$($r),+] }
+            }
+        }
+    };
+}
+
+in_order!([a0, a1, a2], [r0, r1]);
+
+impl From<Terms> for [f32; Terms::COUNT] {
+    fn from(terms: Terms) -> Self {
+        terms.to_array()
+    }
+}
+
+impl From<[f32; Terms::COUNT]> for Terms {
+    fn from(values: [f32; Terms::COUNT]) -> Self {
+        Self::from_array(values)
     }
 }
 
@@ -272,7 +322,7 @@ mod tests {
     }
 
     #[test]
-    fn bias_is_the_five_term_polynomial() {
+    fn bias_is_the_polynomial_of_all_terms() {
         let terms = Terms {
             a: [1.0, 2.0, 4.0],
             r: [8.0, 16.0],
@@ -367,12 +417,11 @@ mod tests {
             TableError::CellCount
         );
         for bad in [f32::NAN, f32::INFINITY, -2e20] {
-            for place in 0..5 {
+            for place in 0..Terms::COUNT {
                 let mut cells = good;
-                match place {
-                    0..3 => cells[1][1].a[place] = bad,
-                    _ => cells[1][1].r[place - 3] = bad,
-                }
+                let mut values = LINE.to_array();
+                values[place] = bad;
+                cells[1][1] = Terms::from_array(values);
                 assert_eq!(
                     refused(10.0, 20.0, &cells),
                     TableError::Coefficient { cell: 1, axis: 1 }

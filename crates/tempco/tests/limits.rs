@@ -110,12 +110,10 @@ fn a_table_is_accepted_up_to_its_limits_and_not_beyond() {
         (f32::next_up(1e20), false),
         (f32::next_down(-1e20), false),
     ] {
-        for place in 0..5 {
-            let mut cell = CELL;
-            *match place {
-                0..3 => &mut cell[0].a[place],
-                _ => &mut cell[0].r[place - 3],
-            } = coefficient;
+        for place in 0..Terms::COUNT {
+            let mut values = CELL[0].to_array();
+            values[place] = coefficient;
+            let cell = [Terms::from_array(values)];
             let found = Table::new(THERMAL, 0.0, 1.0, &[CELL, cell]).map(|_| ());
             let error = TableError::Coefficient { cell: 1, axis: 0 };
             assert_eq!(found, if accepted { Ok(()) } else { Err(error) });

@@ -4,8 +4,11 @@ use std::path::PathBuf;
 
 use anyhow::{Result, ensure};
 use serde_json::{Value, json};
+use tempco::Terms;
 use tempco_evaluate::{boundaries, judge};
-use tempco_set::{ChannelSet, CoefficientSet, Judgement, RejectionCode, read_set};
+use tempco_set::{
+    ChannelSet, CoefficientSet, Judgement, LOCAL_TERMS, RejectionCode, TERMS, read_set,
+};
 
 use crate::Verdict;
 use crate::image;
@@ -135,10 +138,13 @@ fn show_channel(channel: &ChannelSet) -> Result<()> {
         thermal.kappa,
         data.cells.len(),
         figure(f64::from(data.last_edge_c - data.first_edge_c) / data.cells.len() as f64),
-        20 * channel.axes.len() * data.cells.len(),
+        size_of::<Terms>() * channel.axes.len() * data.cells.len(),
         100.0 * channel.table_deviation,
     ))?;
-    print("\nCoefficients of 1, T, T^2, T', T T' with T in degC and T' in degC/min")?;
+    print(format_args!(
+        "\nCoefficients of {} with T in degC and T' in degC/min",
+        TERMS.join(", ")
+    ))?;
     let mut rows = Vec::new();
     for axis in &channel.axes {
         for (segment, polynomial) in channel.segments.iter().zip(&axis.polynomials) {
@@ -150,7 +156,9 @@ fn show_channel(channel: &ChannelSet) -> Result<()> {
             rows.push(row);
         }
     }
-    let header = ["axis", "segment", "a0", "a1", "a2", "a3", "a4"];
+    let names: Vec<String> = (0..TERMS.len()).map(|term| format!("a{term}")).collect();
+    let mut header = vec!["axis", "segment"];
+    header.extend(names.iter().map(String::as_str));
     print_lines(table(&header, rows))?;
     show_sigmas(channel)?;
     show_states(channel)?;
@@ -217,8 +225,7 @@ fn show_sigmas(channel: &ChannelSet) -> Result<()> {
                 format!("{} [{}]", axis.name, axis.unit),
                 format!("{:.2}..{:.2}", segment.t_min_c, segment.t_max_c),
             ];
-            let sigmas = sigmas.a.into_iter().chain(sigmas.r);
-            row.extend(sigmas.map(|sigma| match sigma {
+            row.extend(sigmas.to_array().map(|sigma| match sigma {
                 0.0 => "-".to_owned(),
                 _ => format!("{sigma:.1e}"),
             }));
@@ -228,11 +235,11 @@ fn show_sigmas(channel: &ChannelSet) -> Result<()> {
     if rows.is_empty() {
         return Ok(());
     }
-    print(
-        "\n1 sigma of the coefficients of 1, z, z^2, T', z T', with z from -1 to 1 over the segment",
-    )?;
-    print_lines(table(
-        &["axis", "segment", "1", "z", "z^2", "T'", "z T'"],
-        rows,
-    ))
+    print(format_args!(
+        "\n1 sigma of the coefficients of {}, with z from -1 to 1 over the segment",
+        LOCAL_TERMS.join(", ")
+    ))?;
+    let mut header = vec!["axis", "segment"];
+    header.extend(LOCAL_TERMS);
+    print_lines(table(&header, rows))
 }

@@ -6,7 +6,7 @@ use tempco::{Thermal, ThermalSettings};
 use tempco_fit::{FitOptions, Method, SplineSearch, fit};
 use tempco_log::{AxisUnit, Log};
 use tempco_set::run::thermal_points;
-use tempco_set::{CoefficientSet, Model};
+use tempco_set::{CoefficientSet, Model, Polynomial};
 use worlds::{Programme, Random, World, simulate};
 
 fn options(model: Model) -> FitOptions {
@@ -18,7 +18,7 @@ fn difference(a: &CoefficientSet, b: &CoefficientSet, scale: f64) -> f64 {
     let numbers = |set: &CoefficientSet| -> Vec<f64> {
         let axes = set.channels[0].axes.iter();
         axes.flat_map(|axis| &axis.polynomials)
-            .flat_map(|p| p.a.into_iter().chain(p.r))
+            .flat_map(Polynomial::coefficients)
             .collect()
     };
     let (a, b) = (numbers(a), numbers(b));
@@ -160,14 +160,9 @@ fn coverage(white: f64, walk: f64) -> f64 {
         let axis = &set.channels[0].axes[0];
         let found = axis.polynomials.iter().zip(&axis.sigmas).zip(expected);
         for (number, ((found, sigmas), expected)) in found.enumerate() {
-            let values = found
-                .a
-                .iter()
-                .chain(&found.r)
-                .zip(expected.a.iter().chain(&expected.r));
-            let sigmas = sigmas.a.iter().chain(&sigmas.r);
-            for ((found, expected), sigma) in values.zip(sigmas) {
-                assert!(*sigma > 0.0, "segment {number}");
+            let [found, expected] = [found, expected].map(Polynomial::coefficients);
+            for ((found, expected), sigma) in found.iter().zip(expected).zip(sigmas.to_array()) {
+                assert!(sigma > 0.0, "segment {number}");
                 inside += usize::from((found - expected).abs() < 1.959_964 * sigma);
                 all += 1;
             }

@@ -10,7 +10,12 @@ pub(crate) fn sigma_at(axis: &AxisSet, temp_c: f64) -> Option<f64> {
         .filter(|(polynomial, _)| polynomial.z(temp_c).abs() <= 1.0 + 1e-6)
         .map(|(polynomial, sigmas)| {
             let z = polynomial.z(temp_c);
-            let parts = [sigmas.a[0], z * sigmas.a[1], z * z * sigmas.a[2]];
+            let mut power = 1.0;
+            let parts = sigmas.a.map(|sigma| {
+                let part = power * sigma;
+                power *= z;
+                part
+            });
             let mut variance = 0.0;
             for (i, first) in parts.iter().enumerate() {
                 variance += first * first;

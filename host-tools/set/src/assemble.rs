@@ -4,7 +4,6 @@ use tempco::ThermalSettings;
 
 use crate::model::AxisModel;
 use crate::segment::{Overlap, Segmentation};
-use crate::table::numbers;
 use crate::tabulate::tabulate;
 use crate::{
     AxisSet, ChannelSet, CoefficientSet, FORMAT_VERSION, GainSet, PlayData, Provenance, Screening,
@@ -61,11 +60,7 @@ pub fn channel(
             last_edge_c,
             t_min_c: calibrated_c.0.max(first_edge_c),
             t_max_c: calibrated_c.1.min(last_edge_c),
-            cells: cells
-                .cells
-                .iter()
-                .map(|cell| cell.iter().map(numbers).collect())
-                .collect(),
+            cells: cells.cells,
             plays,
             slow_parts,
         },

@@ -1,10 +1,11 @@
 //! One axis of a set: its polynomials, how well they are known, and how well they do.
 
 use serde::{Deserialize, Serialize};
+use tempco::Terms;
 use tempco_log::AxisUnit;
 
 use crate::HeldOutErrors;
-use crate::model::Polynomial;
+use crate::model::{Polynomial, join, split};
 
 /// One axis as fitted.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -64,42 +65,47 @@ pub struct NoiseSet {
 #[serde(deny_unknown_fields)]
 pub struct CoefficientSigmas {
     /// Of the static coefficients, lowest power first \[unit of the axis\].
-    pub a: [f64; 3],
+    pub a: [f64; Terms::STATIC],
     /// Of the rate coefficients, lowest power first \[unit of the axis per degC/min\].
-    pub r: [f64; 2],
-    /// Correlations of `a0 a1 a2 r0 r1`, row by row; 0 with a term that was not fitted.
+    pub r: [f64; Terms::RATE],
+    /// Correlations in the order of [`Terms::NAMES`], row by row; 0 with a term that was not fitted.
     #[serde(default)]
-    pub correlation: [[f64; 5]; 5],
+    pub correlation: [[f64; Terms::COUNT]; Terms::COUNT],
 }
 
 impl CoefficientSigmas {
-    /// From the leading coefficients of `1, z, z^2, T', z T'`.
+    /// Of the leading coefficients.
     pub fn new(sigmas: &[f64], correlations: &[Vec<f64>]) -> Self {
-        let at = |term: usize| sigmas.get(term).copied().unwrap_or(0.0);
+        let (a, r) = split(sigmas);
         let correlation = |i: usize, j: usize| {
             let row = correlations.get(i);
             row.and_then(|row| row.get(j)).copied().unwrap_or(0.0)
         };
         Self {
-            a: [at(0), at(1), at(2)],
-            r: [at(3), at(4)],
+            a,
+            r,
             correlation: std::array::from_fn(|i| std::array::from_fn(|j| correlation(i, j))),
         }
     }
 
-    /// From the covariance of `a0 a1 a2 r0 r1`.
-    pub fn from_covariance(covariance: [[f64; 5]; 5]) -> Self {
-        let sigmas: [f64; 5] = std::array::from_fn(|i| covariance[i][i].max(0.0).sqrt());
+    /// From the covariance of all coefficients.
+    pub fn from_covariance(covariance: [[f64; Terms::COUNT]; Terms::COUNT]) -> Self {
+        let sigmas: [f64; Terms::COUNT] = std::array::from_fn(|i| covariance[i][i].max(0.0).sqrt());
         let correlation = |i: usize, j: usize| match sigmas[i] * sigmas[j] {
             0.0 => 0.0,
             product => covariance[i][j] / product,
         };
-        let [a0, a1, a2, r0, r1] = sigmas;
+        let (a, r) = split(&sigmas);
         Self {
-            a: [a0, a1, a2],
-            r: [r0, r1],
+            a,
+            r,
             correlation: std::array::from_fn(|i| std::array::from_fn(|j| correlation(i, j))),
         }
+    }
+
+    /// The standard deviations in the order of [`Terms::NAMES`].
+    pub fn to_array(&self) -> [f64; Terms::COUNT] {
+        join(&self.a, &self.r)
     }
 
     /// Multiplies all of them.

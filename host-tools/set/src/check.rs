@@ -3,9 +3,10 @@
 use std::fmt::Display;
 use std::ops::RangeInclusive;
 
-use crate::model::AxisModel;
+use tempco::Terms;
+
+use crate::model::{AxisModel, horner};
 use crate::segment::Overlap;
-use crate::table::numbers;
 use crate::tabulate;
 use crate::{
     AxisSet, AxisStatistics, Candidate, ChannelSet, CoefficientSet, CoefficientSigmas,
@@ -211,36 +212,31 @@ impl ChannelSet {
             ));
         }
         for (number, axis) in self.axes.iter().enumerate() {
-            let found = table.cells.iter().map(|cell| cell[number]);
-            let made = made.cells.iter().map(|cell| numbers(&cell[number]));
-            let pairs: Vec<_> = found.zip(made).collect();
+            let pairs = table.cells.iter().zip(&made.cells);
+            let pairs: Vec<_> = pairs.map(|(a, b)| (a[number], b[number])).collect();
             let (far, unit) = (
                 |message| format!("{key}.table: axis {}, {message}", axis.name),
                 axis.unit,
             );
-            same(&pairs, |[a0, a1, a2, ..]| [a0, a1, a2], unit.symbol()).map_err(far)?;
+            same(&pairs, |terms| &terms.a, unit.symbol()).map_err(far)?;
             let per_rate = format!("{unit} per degC/min");
-            same(&pairs, |[.., r0, r1]| [r0, r1, 0.0], &per_rate).map_err(far)?;
+            same(&pairs, |terms| &terms.r, &per_rate).map_err(far)?;
         }
         Ok(())
     }
 }
 
-/// Compares cells, as found and as made of polynomials, by the quadratic that `part` takes of them.
-fn same(
-    pairs: &[([f32; 5], [f32; 5])],
-    part: fn([f32; 5]) -> [f32; 3],
-    unit: &str,
-) -> Result<(), String> {
+/// Compares cells, as found and as made of polynomials, by the polynomial that `part` takes of them.
+fn same(pairs: &[(Terms, Terms)], part: fn(&Terms) -> &[f32], unit: &str) -> Result<(), String> {
     // At the cold edge, in the middle and at the hot edge of the cell.
-    let values = |terms: [f32; 5]| {
-        let [a, b, c] = part(terms).map(f64::from);
-        [a, a + 0.5 * (b + 0.5 * c), a + b + c]
+    let values = |terms: &Terms| {
+        let coefficients: Vec<f64> = part(terms).iter().copied().map(f64::from).collect();
+        [0.0, 0.5, 1.0].map(|z| horner(&coefficients, z))
     };
-    let all = pairs.iter().flat_map(|(_, made)| values(*made));
+    let all = pairs.iter().flat_map(|(_, made)| values(made));
     let allowed = ROUNDING * all.fold(0.0_f64, |largest, value| largest.max(value.abs()));
     for (cell, (found, made)) in pairs.iter().enumerate() {
-        let differences = values(*found).into_iter().zip(values(*made));
+        let differences = values(found).into_iter().zip(values(made));
         let difference = differences.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         if difference > allowed {
             return Err(format!(

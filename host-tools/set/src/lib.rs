@@ -46,7 +46,7 @@ pub use folder::{MARK, REPORT, TABLE_BIN, WriteError, file_names, strangers, wri
 pub use history::{PlayData, SlowPartData, Term};
 pub use judgement::{Judgement, Rejection, RejectionCode, Verdict, Warning, WarningCode};
 pub use load::{SetError, check_folder, load_set, read_set};
-pub use model::{AxisModel, Mismatch, Polynomial, TERMS};
+pub use model::{AxisModel, LOCAL_TERMS, Mismatch, Polynomial, TERMS};
 pub use model_kind::Model;
 pub use provenance::{Input, Provenance, SignOff};
 pub use rounding::RoundingBound;

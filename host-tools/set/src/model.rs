@@ -1,11 +1,42 @@
 //! The fitted model of one axis in f64: a polynomial per segment.
 
+use std::ops::{Add, Mul};
+
 use serde::{Deserialize, Serialize};
+use tempco::Terms;
 
 use crate::segment::{Overlap, Piece, Segment, Segmentation};
 
-/// The regressors of a polynomial, in the order in which a fit drops them from the end.
-pub const TERMS: [&str; 5] = ["1", "T", "T^2", "T'", "T T'"];
+/// The regressors of a polynomial, in the order of [`Terms::NAMES`], in which a fit drops them from
+/// the end.
+pub const TERMS: [&str; Terms::COUNT] = ["1", "T", "T^2", "T'", "T T'"];
+
+/// The same in the basis of a segment.
+pub const LOCAL_TERMS: [&str; Terms::COUNT] = ["1", "z", "z^2", "T'", "z T'"];
+
+/// The static and the rate coefficients of a list; 0 where it ends.
+pub(crate) fn split(list: &[f64]) -> ([f64; Terms::STATIC], [f64; Terms::RATE]) {
+    let at = |term: usize| list.get(term).copied().unwrap_or(0.0);
+    let rate = std::array::from_fn(|term| at(Terms::STATIC + term));
+    (std::array::from_fn(at), rate)
+}
+
+/// The inverse of [`split`].
+pub(crate) fn join(a: &[f64; Terms::STATIC], r: &[f64; Terms::RATE]) -> [f64; Terms::COUNT] {
+    std::array::from_fn(|term| match term.checked_sub(Terms::STATIC) {
+        None => a[term],
+        Some(term) => r[term],
+    })
+}
+
+/// `c[0] + c[1] z + c[2] z^2 ...` by Horner's rule, as the core does it.
+pub(crate) fn horner<T>(coefficients: &[T], z: T) -> T
+where
+    T: Copy + Default + Add<Output = T> + Mul<Output = T>,
+{
+    let powers = coefficients.iter().rev().copied();
+    powers.reduce(|sum, c| c + z * sum).unwrap_or_default()
+}
 
 /// The polynomial of one segment, in the centred and scaled basis `z = (T - centre) / half_width`.
 ///
@@ -19,37 +50,37 @@ pub struct Polynomial {
     /// Half the width of the segment \[degC\].
     pub half_width_c: f64,
     /// Static coefficients, lowest power first \[unit of the axis\].
-    pub a: [f64; 3],
+    pub a: [f64; Terms::STATIC],
     /// Rate coefficients, lowest power first \[unit of the axis per degC/min\].
-    pub r: [f64; 2],
+    pub r: [f64; Terms::RATE],
 }
 
 impl Polynomial {
     /// The polynomial over `segment` with the leading coefficients of `1, z, z^2, T', z T'`.
     pub fn new(segment: &Segment, coefficients: &[f64]) -> Self {
-        let at = |term: usize| coefficients.get(term).copied().unwrap_or(0.0);
+        let (a, r) = split(coefficients);
         Self {
             centre_c: segment.centre_c(),
             half_width_c: segment.half_width_c(),
-            a: [at(0), at(1), at(2)],
-            r: [at(3), at(4)],
+            a,
+            r,
         }
+    }
+
+    /// The coefficients in the order of [`TERMS`].
+    pub fn coefficients(&self) -> [f64; Terms::COUNT] {
+        join(&self.a, &self.r)
     }
 
     /// The polynomial from coefficients of `1, T, T^2` in degC.
     pub fn from_raw_static(segment: &Segment, [a0, a1, a2]: [f64; 3]) -> Self {
         let (c, h) = (segment.centre_c(), segment.half_width_c());
         let a = [a0 + c * (a1 + c * a2), h * (a1 + 2.0 * c * a2), h * h * a2];
-        Self {
-            centre_c: c,
-            half_width_c: h,
-            a,
-            r: [0.0; 2],
-        }
+        Self::new(segment, &a)
     }
 
     /// Coefficients of `1, T, T^2, T', T T'` in degC and degC/min, for reports.
-    pub fn raw(&self) -> [f64; 5] {
+    pub fn raw(&self) -> [f64; Terms::COUNT] {
         let (c, h) = (self.centre_c, self.half_width_c);
         let [a0, a1, a2] = self.a;
         let [r0, r1] = self.r;
@@ -69,13 +100,12 @@ impl Polynomial {
 
     /// Bias at zero rate \[unit of the axis\].
     pub fn static_bias(&self, temp_c: f64) -> f64 {
-        let z = self.z(temp_c);
-        self.a[0] + z * (self.a[1] + z * self.a[2])
+        horner(&self.a, self.z(temp_c))
     }
 
     /// Bias per rate \[unit of the axis per degC/min\].
     pub fn rate_bias(&self, temp_c: f64) -> f64 {
-        self.r[0] + self.z(temp_c) * self.r[1]
+        horner(&self.r, self.z(temp_c))
     }
 }
 

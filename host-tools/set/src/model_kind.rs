@@ -1,6 +1,7 @@
 //! Form of a model.
 
 use serde::{Deserialize, Serialize};
+use tempco::Terms;
 
 /// Form of the model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -31,8 +32,8 @@ impl Model {
     /// Number of leading [`TERMS`](crate::TERMS) that it has.
     pub const fn terms(self) -> usize {
         match self {
-            Self::Static => 3,
-            Self::Composite | Self::Spline | Self::Auto => 5,
+            Self::Static => Terms::STATIC,
+            Self::Composite | Self::Spline | Self::Auto => Terms::COUNT,
         }
     }
 }

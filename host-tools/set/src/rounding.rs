@@ -46,12 +46,13 @@ impl TableData {
             ..RoundingBound::default()
         };
         for cell in &self.cells {
-            let terms = cell[axis].map(f64::from);
-            let evaluation = evaluation_error(terms, rate);
-            let slope = slope(terms, rate, place);
+            let terms = cell[axis];
+            let (a, r) = (terms.a.map(f64::from), terms.r.map(f64::from));
+            let evaluation = evaluation_error(&a, &r, rate);
+            let slope = slope(&a, &r, rate, place);
             bound.evaluation = bound.evaluation.max(evaluation);
             let polynomial = Rounded {
-                most: bias_most(terms, rate),
+                most: most(&a) + rate * most(&r),
                 error: (evaluation + slope * place) * SLACK,
             };
             let with_history = self
@@ -141,46 +142,70 @@ impl Rounded {
     }
 }
 
-/// Error of `(a0 + z (a1 + z a2)) + T' (r0 + z r1)` in f32 for z from 0 to 1.
-fn evaluation_error([a0, a1, a2, r0, r1]: [f64; 5], rate: f64) -> f64 {
-    let linear = Rounded::exact(a2.abs()).times(1.0);
-    let linear = linear.plus_exact(a1.abs().max((a1 + a2).abs()));
-    let fixed = linear.times(1.0).plus_exact(quadratic_most(a0, a1, a2));
-    let by_rate = Rounded::exact(r1.abs()).times(1.0);
-    let by_rate = by_rate.plus_exact(r0.abs().max((r0 + r1).abs()));
-    let by_rate = by_rate.times(rate);
+/// Error of the polynomial `a` plus the rate times the polynomial `r`, each by Horner's rule in f32,
+/// for z from 0 to 1.
+fn evaluation_error(a: &[f64], r: &[f64], rate: f64) -> f64 {
+    let (fixed, by_rate) = (horner_error(a), horner_error(r).times(rate));
     Rounded::new(fixed.most + by_rate.most, fixed.error + by_rate.error).error * SLACK
 }
 
-/// Largest magnitude of `a0 + a1 z + a2 z^2` for z from 0 to 1.
-fn quadratic_most(a0: f64, a1: f64, a2: f64) -> f64 {
-    let ends = a0.abs().max((a0 + a1 + a2).abs());
-    let z = -0.5 * a1 / a2;
-    if (0.0..=1.0).contains(&z) {
-        ends.max((a0 + 0.5 * a1 * z).abs())
-    } else {
-        ends
+/// A polynomial by Horner's rule for z from 0 to 1.
+fn horner_error(coefficients: &[f64]) -> Rounded {
+    let last = coefficients.len() - 1;
+    let highest = Rounded::exact(coefficients[last].abs());
+    (0..last).rev().fold(highest, |sum, power| {
+        sum.times(1.0).plus_exact(most(&coefficients[power..]))
+    })
+}
+
+/// Largest magnitude of a polynomial for z from 0 to 1; a bound on it beyond quadratics.
+fn most(coefficients: &[f64]) -> f64 {
+    match *coefficients {
+        [] => 0.0,
+        [c0, c1] => c0.abs().max((c0 + c1).abs()),
+        [c0, c1, c2] => {
+            let ends = c0.abs().max((c0 + c1 + c2).abs());
+            let z = -0.5 * c1 / c2;
+            if (0.0..=1.0).contains(&z) {
+                ends.max((c0 + 0.5 * c1 * z).abs())
+            } else {
+                ends
+            }
+        }
+        [c0, ref higher @ ..] => c0.abs() + most(higher),
     }
 }
 
-/// Largest magnitude of the bias for z from 0 to 1.
-fn bias_most([a0, a1, a2, r0, r1]: [f64; 5], rate: f64) -> f64 {
-    quadratic_most(a0, a1, a2) + rate * r0.abs().max((r0 + r1).abs())
+/// The same for z up to `beyond` outside of 0 to 1.
+fn most_around(coefficients: &[f64], beyond: f64) -> f64 {
+    match coefficients {
+        [] => 0.0,
+        _ => most(coefficients) + beyond * most_around(&derivative(coefficients), beyond),
+    }
+}
+
+fn derivative(coefficients: &[f64]) -> Vec<f64> {
+    let powers = coefficients.iter().enumerate().skip(1);
+    powers.map(|(power, c)| power as f64 * c).collect()
 }
 
 /// Steepest slope per cell, also a little beyond its edges.
-fn slope([_, a1, a2, _, r1]: [f64; 5], rate: f64, beyond: f64) -> f64 {
-    a1.abs().max((a1 + 2.0 * a2).abs()) + 2.0 * beyond * a2.abs() + rate * r1.abs()
+fn slope(a: &[f64], r: &[f64], rate: f64, beyond: f64) -> f64 {
+    let [a, r] = [a, r].map(|part| most_around(&derivative(part), beyond));
+    a + rate * r
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::model::horner;
     use crate::{PlayData, SlowPartData, TableUse, use_tables};
     use proptest::prelude::*;
-    use tempco::{Compensator, HistoryState, Interval, Table, ThermalPoint, ThermalSettings};
+    use tempco::{
+        Compensator, HistoryState, Interval, Table, Terms, ThermalPoint, ThermalSettings,
+    };
 
-    fn table(terms: [f32; 5], edges: (f32, f32), count: usize, rate: f32) -> TableData {
+    fn table(terms: Terms, edges: (f32, f32), count: usize, rate: f32) -> TableData {
         let settings = ThermalSettings {
             rate_min_c_per_min: -rate,
             rate_max_c_per_min: rate,
@@ -198,13 +223,18 @@ mod tests {
         }
     }
 
+    /// The bias in exact arithmetic.
+    fn bias(terms: &Terms, z: f64, rate: f64) -> f64 {
+        horner(&terms.a.map(f64::from), z) + rate * horner(&terms.r.map(f64::from), z)
+    }
+
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(2000))]
 
         #[test]
         fn measured_errors_stay_within_the_bound(
-            terms in prop::array::uniform5(-1.0_f32..1.0),
-            exponents in prop::array::uniform5(-20_i32..10),
+            terms in prop::array::uniform::<_, { Terms::COUNT }>(-1.0_f32..1.0),
+            exponents in prop::array::uniform::<_, { Terms::COUNT }>(-20_i32..10),
             first in -80.0_f32..20.0,
             span in 1.0_f32..200.0,
             count in 1_usize..=1024,
@@ -212,19 +242,16 @@ mod tests {
             rate in 0.0_f32..30.0,
             share in -1.0_f32..=1.0,
         ) {
-            let terms: [f32; 5] = std::array::from_fn(|i| terms[i] * 2.0_f32.powi(exponents[i]));
-            let table = table(terms, (first, first + span), count, rate);
+            let terms = std::array::from_fn(|i| terms[i] * 2.0_f32.powi(exponents[i]));
+            let table = table(Terms::from_array(terms), (first, first + span), count, rate);
             let bound = table.rounding_bound(0);
             let cells = table.terms::<1>(0);
-            let core = table.five_term_table(&cells).unwrap();
+            let core = table.table_over(&cells).unwrap();
             let effective_c = (first + span * at).min(table.t_max_c);
             let rate = rate * share;
             let place = core.place(effective_c);
             let z = f64::from(place.z);
-            let polynomial = |z: f64| {
-                let [a0, a1, a2, r0, r1] = terms.map(f64::from);
-                a0 + z * (a1 + z * a2) + f64::from(rate) * (r0 + z * r1)
-            };
+            let polynomial = |z: f64| bias(&table.cells[0][0], z, rate.into());
             let bias = f64::from(core.cells()[place.cell][0].bias(place.z, rate));
             prop_assert!((bias - polynomial(z)).abs() <= bound.evaluation);
             let exact = (f64::from(effective_c) - f64::from(first)) / table.cell_width_c()
@@ -240,7 +267,12 @@ mod tests {
     /// make in exact arithmetic.
     #[test]
     fn earned_states_add_a_product_and_a_sum_each() {
-        let mut data = table([3.0, 0.1, -0.02, 0.5, 0.01], (-20.0, 80.0), 20, 5.0);
+        let mut data = table(
+            Terms::new([3.0, 0.1, -0.02], [0.5, 0.01]),
+            (-20.0, 80.0),
+            20,
+            5.0,
+        );
         let without = data.rounding_bound(0).total;
         data.plays = vec![PlayData {
             half_width_c: 3.0,
@@ -277,9 +309,8 @@ mod tests {
                 let u = f64::from(out.point.effective_c);
                 let exact = (u - f64::from(self.0.first_edge_c)) / self.0.cell_width_c();
                 let z = exact - core.place(out.point.effective_c).cell as f64;
-                let [a0, a1, a2, r0, r1] = self.0.cells[0][0].map(f64::from);
                 let rate = f64::from(out.point.rate_c_per_min);
-                let mut bias = a0 + z * (a1 + z * a2) + rate * (r0 + z * r1);
+                let mut bias = bias(&self.0.cells[0][0], z, rate);
                 for (play, value) in core.history().plays().iter().zip(past.plays_c) {
                     bias += f64::from(play.gain[0]) * f64::from(value);
                 }
@@ -295,15 +326,15 @@ mod tests {
     /// The bound for any table: 18 half-units of the last place of the largest coefficient.
     #[test]
     fn the_generic_bound_is_eighteen_units() {
-        let bound = evaluation_error([1.0; 5], 1.0);
-        let mixed = evaluation_error([1.0, 0.5, -1.0, 1.0, -1.0], 1.0);
+        let bound = evaluation_error(&[1.0; 3], &[1.0; 2], 1.0);
+        let mixed = evaluation_error(&[1.0, 0.5, -1.0], &[1.0, -1.0], 1.0);
         assert!(bound <= 18.01 * UNIT, "{bound}");
         assert!(mixed <= 18.01 * UNIT, "{mixed}");
     }
 
     #[test]
     fn a_flat_table_rounds_by_its_own_last_place_only() {
-        let bound = table([3.0, 0.0, 0.0, 0.0, 0.0], (0.0, 1.0), 1, 0.0).rounding_bound(0);
+        let bound = table(Terms::new([3.0], []), (0.0, 1.0), 1, 0.0).rounding_bound(0);
         assert!(bound.total < 3.0 * 3.0 * UNIT, "{}", bound.total);
     }
 }

@@ -1,6 +1,7 @@
 //! The coefficient set: everything that was fitted, in f64, and the table that flies, in f32.
 
 use serde::{Deserialize, Serialize};
+use tempco::Terms;
 
 use crate::model::{Mismatch, mismatches};
 use crate::segment::{Overlap, Segment, SegmentError, Segmentation};
@@ -128,12 +129,12 @@ impl CoefficientSet {
             channel.table.plays.clear();
             channel.table.slow_parts.clear();
             for terms in channel.table.cells.iter_mut().flatten() {
-                (terms[3], terms[4]) = (0.0, 0.0);
+                terms.r = [0.0; Terms::RATE];
             }
             for axis in &mut channel.axes {
                 axis.gains.clear();
                 for polynomial in &mut axis.polynomials {
-                    polynomial.r = [0.0; 2];
+                    polynomial.r = [0.0; Terms::RATE];
                 }
             }
         }

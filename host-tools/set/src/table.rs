@@ -19,9 +19,9 @@ pub struct TableData {
     pub t_min_c: f32,
     /// Hot end of the calibrated range \[degC\].
     pub t_max_c: f32,
-    /// `[a0, a1, a2, r0, r1]` by cell and axis, in the basis of the cell (0 at its cold edge, 1 at
-    /// its hot edge).
-    pub cells: Vec<Vec<[f32; 5]>>,
+    /// Coefficients by cell and axis, in the basis of the cell (0 at its cold edge, 1 at its hot
+    /// edge); in JSON as arrays in the order of [`Terms::NAMES`].
+    pub cells: Vec<Vec<Terms>>,
     /// Hysteresis terms, at most two.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub plays: Vec<PlayData>,
@@ -76,7 +76,7 @@ fn use_axes<const CHANNELS: usize, const AXES: usize, U: TableUse<CHANNELS, AXES
     let cells = data.map(|data| data.terms::<AXES>(first_axis));
     let mut tables = Vec::with_capacity(CHANNELS);
     for (data, cells) in data.iter().zip(&cells) {
-        tables.push(data.five_term_table(cells)?);
+        tables.push(data.table_over(cells)?);
     }
     macro_rules! with_counts {
         ($($plays:literal $slow_parts:literal),+) => {
@@ -101,29 +101,15 @@ fn use_axes<const CHANNELS: usize, const AXES: usize, U: TableUse<CHANNELS, AXES
     with_counts!(0 0, 1 0, 2 0, 0 1, 1 1, 2 1)
 }
 
-/// Terms as a cell holds them.
-pub(crate) const fn numbers(terms: &Terms) -> [f32; 5] {
-    let ([a0, a1, a2], [r0, r1]) = (terms.a, terms.r);
-    [a0, a1, a2, r0, r1]
-}
-
 impl TableData {
     /// The cells of `AXES` axes from the first of `axes` on, as the core borrows them.
     ///
     /// # Panics
     /// If the table has fewer axes.
     pub fn terms<const AXES: usize>(&self, first_axis: usize) -> Vec<[Terms; AXES]> {
-        self.cells
-            .iter()
-            .map(|cell| {
-                std::array::from_fn(|axis| {
-                    let [a0, a1, a2, r0, r1] = cell[first_axis + axis];
-                    Terms {
-                        a: [a0, a1, a2],
-                        r: [r0, r1],
-                    }
-                })
-            })
+        let cells = self.cells.iter();
+        cells
+            .map(|cell| std::array::from_fn(|axis| cell[first_axis + axis]))
             .collect()
     }
 
@@ -131,7 +117,7 @@ impl TableData {
     ///
     /// # Errors
     /// What the core refuses.
-    pub fn five_term_table<'a, const AXES: usize>(
+    pub fn table_over<'a, const AXES: usize>(
         &self,
         cells: &'a [[Terms; AXES]],
     ) -> Result<Table<'a, AXES>, TableError> {
@@ -147,7 +133,7 @@ impl TableData {
         read: impl FnOnce(&Table<1>) -> R,
     ) -> Result<R, TableError> {
         let cells = self.terms::<1>(axis);
-        Ok(read(&self.five_term_table(&cells)?))
+        Ok(read(&self.table_over(&cells)?))
     }
 
     pub(crate) fn check(&self, axes: usize) -> Result<(), String> {
@@ -262,7 +248,7 @@ pub(crate) fn crc32<'a>(tables: impl Iterator<Item = &'a TableData>) -> u32 {
         for count in [table.cells.len(), axes] {
             digest.update(&(count as u32).to_le_bytes());
         }
-        for value in table.cells.iter().flatten().flatten() {
+        for value in table.cells.iter().flatten().flat_map(Terms::to_array) {
             digest.update(&value.to_le_bytes());
         }
         if table.plays.is_empty() && table.slow_parts.is_empty() {

@@ -2,7 +2,7 @@
 
 use tempco::{MAX_CELLS, Terms};
 
-use crate::model::AxisModel;
+use crate::model::{AxisModel, horner};
 use crate::segment::{Piece, Segmentation};
 
 /// The most cells a table is given: 256 cells of three axes take 15 KiB of flash.
@@ -125,9 +125,7 @@ impl Grid {
 
 /// Bias and bias per rate at the hot edge of a cell, as the core computes them.
 fn hot_edge(terms: &Terms) -> (f32, f32) {
-    let [a0, a1, a2] = terms.a;
-    let [r0, r1] = terms.r;
-    (a0 + (a1 + a2), r0 + r1)
+    (horner(&terms.a, 1.0), horner(&terms.r, 1.0))
 }
 
 /// The polynomial through three points (static bias, bias per rate) at the cold edge, the middle
@@ -164,11 +162,11 @@ impl Spread {
     }
 
     fn compare(&mut self, terms: &Terms, z: f64, (static_bias, rate_bias): (f64, f64)) {
-        let [a0, a1, a2] = terms.a.map(f64::from);
-        let [r0, r1] = terms.r.map(f64::from);
+        let fixed = horner(&terms.a.map(f64::from), z);
+        let by_rate = horner(&terms.r.map(f64::from), z);
         for rate in [self.rates.0, 0.0, self.rates.1] {
             let bias = static_bias + rate * rate_bias;
-            let error = a0 + z * (a1 + z * a2) + rate * (r0 + z * r1) - bias;
+            let error = fixed + rate * by_rate - bias;
             self.worst = self.worst.max(error.abs());
             self.least = self.least.min(bias);
             self.most = self.most.max(bias);

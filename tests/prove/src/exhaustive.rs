@@ -22,7 +22,7 @@ pub struct Worst {
 /// that is not finite, or an error beyond the rounding bound.
 pub fn check(data: &TableData, axis: usize, threads: u64) -> Result<Worst> {
     let cells = data.terms::<1>(axis);
-    let table = data.five_term_table(&cells)?;
+    let table = data.table_over(&cells)?;
     let parts: Vec<Result<Worst>> = std::thread::scope(|scope| {
         let table = &table;
         let workers: Vec<_> = (0..threads)
@@ -79,8 +79,11 @@ fn over(data: &TableData, table: &Table<1>, bits: std::ops::RangeInclusive<u32>)
         let exact = (f64::from(effective_c) - first) * per_c - place.cell as f64;
         worst.place = worst.place.max((f64::from(place.z) - exact).abs());
         let terms = table.cells().get(place.cell).context("a cell")?[0];
-        let ([a0, a1, a2], [r0, r1]) = (terms.a.map(f64::from), terms.r.map(f64::from));
-        let (fixed, slope) = (a0 + exact * (a1 + exact * a2), r0 + exact * r1);
+        let at_exact = |values: &[f32]| {
+            let powers = values.iter().rev();
+            powers.fold(0.0, |sum, &value| f64::from(value) + exact * sum)
+        };
+        let (fixed, slope) = (at_exact(&terms.a), at_exact(&terms.r));
         for rate_c_per_min in rates {
             let point = ThermalPoint {
                 effective_c,

@@ -1,6 +1,6 @@
 //! Gappa scripts for a table's rounding, and one for any table.
 
-use std::fmt::Write;
+use std::fmt::{Display, Write};
 use std::fs;
 use std::path::Path;
 use std::process::Command;
@@ -20,7 +20,7 @@ pub struct GappaBound {
 }
 
 /// The bias as the core computes it, exactly or rounded, of the named terms.
-fn bias(a: [&str; 3], r: [&str; 2]) -> String {
+fn bias<T: Display>(a: [T; 3], r: [T; 2]) -> String {
     let ([a0, a1, a2], [r0, r1]) = (a, r);
     format!("({a0} + z * ({a1} + z * {a2})) + t * ({r0} + z * {r1})")
 }
@@ -39,8 +39,8 @@ pub fn script(table: &TableData, axis: usize) -> String {
     let mut text = format!("{ROUNDING}z = rnd(z_); t = rnd(t_); u = rnd(u_);\n");
     let mut goals = Vec::new();
     for (number, cell) in table.cells.iter().enumerate() {
-        let [a0, a1, a2, r0, r1] = cell[axis].map(exactly);
-        let bias = bias([&a0, &a1, &a2], [&r0, &r1]);
+        let terms = cell[axis];
+        let bias = bias(terms.a.map(exactly), terms.r.map(exactly));
         writeln!(text, "f{number} rnd= {bias};\ne{number} = {bias};").ok();
         goals.push(format!("f{number} - e{number} in ?"));
     }

@@ -95,26 +95,19 @@ fn conclude(totals: &Totals, args: &Args) {
 /// The firmware's default table as data.
 fn example_table() -> Result<TableData> {
     let table = &example::TABLES[0];
-    let cells = table.cells().iter().map(|cell| {
-        let axes = cell.iter().map(|terms| {
-            let ([a0, a1, a2], [r0, r1]) = (terms.a, terms.r);
-            [a0, a1, a2, r0, r1]
-        });
-        axes.collect()
-    });
     let data = TableData {
         thermal: *table.thermal().settings(),
         first_edge_c: table.t_min_c(),
         last_edge_c: table.t_max_c(),
         t_min_c: table.t_min_c(),
         t_max_c: table.t_max_c(),
-        cells: cells.collect(),
+        cells: table.cells().iter().map(|cell| cell.to_vec()).collect(),
         plays: Vec::new(),
         slow_parts: Vec::new(),
     };
     let terms = data.terms::<{ example::AXES }>(0);
     ensure!(
-        data.five_term_table(&terms)? == *table,
+        data.table_over(&terms)? == *table,
         "the example's edges are elsewhere"
     );
     Ok(data)

@@ -36,10 +36,7 @@ pub(crate) const fn table(thermal: Thermal) -> Table<'static, 2> {
 }
 
 const fn cells() -> [[Terms; 2]; COUNT] {
-    let none = Terms {
-        a: [0.0; 3],
-        r: [0.0; 2],
-    };
+    let none = Terms::from_array([0.0; Terms::COUNT]);
     let mut cells = [[none; 2]; COUNT];
     let mut k = 0;
     while k < COUNT {

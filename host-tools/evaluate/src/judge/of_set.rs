@@ -193,7 +193,8 @@ fn warn_of_terms(asked_for: Model, channel: &ChannelSet, warnings: &mut Vec<Warn
 fn warn_of_axes(channel: &ChannelSet, with_rate: bool, warnings: &mut Vec<Warning>) {
     let with_history = channel.table.has_history();
     for axis in &channel.axes {
-        let no_rate = axis.polynomials.iter().all(|of| of.r == [0.0; 2]);
+        let mut rates = axis.polynomials.iter().flat_map(|of| of.r);
+        let no_rate = rates.all(|r| r == 0.0);
         if with_rate && no_rate {
             warnings.push(Warning::of_axis(
                 WarningCode::RateTermsDropped,

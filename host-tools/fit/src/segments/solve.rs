@@ -1,6 +1,7 @@
 //! The fit of one segment: which terms the data can tell apart, and their coefficients.
 
-use tempco_set::{Coverage, TERMS};
+use tempco::Terms;
+use tempco_set::Coverage;
 use thiserror::Error;
 
 use crate::least_squares::{RFactor, Solution};
@@ -20,7 +21,7 @@ pub(crate) const LEAST_SPAN: f64 = 0.2;
 /// What a segment's rows gave.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct SegmentFit {
-    /// Number of leading [`TERMS`] that were fitted.
+    /// Number of leading [`TERMS`](tempco_set::TERMS) that were fitted.
     pub(crate) terms: usize,
     pub(crate) rows: u64,
     pub(crate) coverage: Coverage,
@@ -30,7 +31,7 @@ pub(crate) struct SegmentFit {
 /// Where some rows lie: means of the regressors `1, z, z^2, T', z T'`, and extremes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Place {
-    pub(crate) regressors: [f64; 5],
+    pub(crate) regressors: [f64; Terms::COUNT],
     pub(crate) z_range: (f64, f64),
     pub(crate) rate_range: (f64, f64),
 }
@@ -58,7 +59,7 @@ pub(crate) struct SegmentRows {
 impl SegmentRows {
     pub(crate) fn new(axes: usize) -> Self {
         Self {
-            factor: RFactor::new(TERMS.len(), axes),
+            factor: RFactor::new(Terms::COUNT, axes),
             z_range: (f64::INFINITY, f64::NEG_INFINITY),
             rate_range: (f64::INFINITY, f64::NEG_INFINITY),
             time_s: 0.0,
@@ -114,7 +115,7 @@ impl SegmentRows {
             width: ((self.z_range.1 - self.z_range.0) / 2.0).max(0.0),
             rate_min_c_per_min: self.rate_range.0,
             rate_max_c_per_min: self.rate_range.1,
-            rate_independent_c_per_min: self.factor.independence()[3].independent,
+            rate_independent_c_per_min: self.factor.independence()[Terms::STATIC].independent,
         }
     }
 
@@ -131,11 +132,11 @@ impl SegmentRows {
         }
         let least_rate = SENSOR_NOISE_C / (tau_s / 60.0);
         let independence = self.factor.independence();
-        let rate = independence[3].whole;
-        let scales = [1.0, 1.0, 1.0, rate, rate];
+        let rate = independence[Terms::STATIC].whole;
         let dependent = (0..most_terms).find(|&term| {
             let independent = independence[term].independent;
-            independent < LEAST_SHARE * scales[term] || (term == 3 && independent < least_rate)
+            let scale = if term < Terms::STATIC { 1.0 } else { rate };
+            independent < LEAST_SHARE * scale || (term == Terms::STATIC && independent < least_rate)
         });
         let terms = dependent.unwrap_or(most_terms);
         if terms < 2 {
@@ -170,7 +171,7 @@ mod tests {
             let bias = 1.0 + 2.0 * z - 0.5 * z * z + rate * (0.3 + 0.1 * z);
             segment.push(0.5, z, rate, std::iter::once(bias));
         }
-        segment.fit(5, 60.0)
+        segment.fit(Terms::COUNT, 60.0)
     }
 
     fn up_and_down(up: f64, down: f64) -> impl Iterator<Item = (f64, f64)> {

@@ -1,6 +1,6 @@
 //! The spline model of a channel, fitted on the core's own regressors.
 
-use tempco::{ThermalPoint, ThermalSettings};
+use tempco::{Terms, ThermalPoint, ThermalSettings};
 use tempco_set::run::with_every_rate;
 use tempco_set::{
     CoefficientSigmas, GainSet, NoiseSet, Overlap, Segment, SegmentSet, Segmentation, TERMS,
@@ -117,7 +117,7 @@ pub(crate) fn fit(
     }
 
     let names = if rate == RateForm::None {
-        &TERMS[..3]
+        &TERMS[..Terms::STATIC]
     } else {
         &TERMS[..]
     };

@@ -1,4 +1,4 @@
-//! Terms of the thermal history that the core can carry beside the five-term table.
+//! Terms of the thermal history that the core can carry beside the table.
 //!
 //! Each is one column over the whole range, whose values come from the core's own
 //! [`HistoryState`]. A term depends on the effective temperature alone, so that terms are run one

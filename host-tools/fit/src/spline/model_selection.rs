@@ -1,6 +1,6 @@
 //! Chooses the model by what it does on soaks and ramps it was not fitted to.
 
-use tempco::{TableError, ThermalSettings};
+use tempco::{TableError, Terms, ThermalSettings};
 use tempco_set::{Candidate, HeldOutErrors, Model, Place, Segmentation, Selection};
 
 use crate::least_squares::{AxisTerms, Basis, Blocks, RFactor, RateForm, SparseRow};
@@ -200,7 +200,7 @@ impl Question<'_> {
                     None => Place::Uniform,
                 };
                 let columns = segments * model.terms();
-                let rate_columns = segments * (model.terms() - 3);
+                let rate_columns = segments * (model.terms() - Terms::STATIC);
                 let lag = Lag {
                     tau_s: base.tau_s(),
                     kappa,

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use proptest::prelude::*;
-use tempco::ThermalSettings;
+use tempco::{Terms, ThermalSettings};
 use tempco_log::{Axis, Channel, Log, ReadOptions, read_log};
 use tempco_set::Model;
 use tempco_set::run::with_every_rate;
@@ -143,8 +143,8 @@ fn coefficients(set: &tempco_set::CoefficientSet) -> Vec<(f64, f64)> {
     let axes = set.channels.iter().flat_map(|channel| &channel.axes);
     axes.flat_map(|axis| axis.polynomials.iter().zip(&axis.sigmas))
         .flat_map(|(p, s)| {
-            let values = p.a.into_iter().chain(p.r);
-            values.zip(s.a.into_iter().chain(s.r)).collect::<Vec<_>>()
+            let values = p.coefficients().into_iter();
+            values.zip(s.to_array())
         })
         .collect()
 }
@@ -224,7 +224,7 @@ fn regressors_from_samples_are_as_good_as_those_from_rows() {
         let points = data
             .of(0)
             .points(&with_every_rate(options.thermal).unwrap());
-        let [mut of_rows, mut of_samples] = [(); 2].map(|()| RFactor::new(5, 3));
+        let [mut of_rows, mut of_samples] = [(); 2].map(|()| RFactor::new(Terms::COUNT, 3));
         let mut rate_squares = 0.0;
         for (_, _, block) in data.blocks() {
             let moments = &block.moments;
@@ -237,7 +237,7 @@ fn regressors_from_samples_are_as_good_as_those_from_rows() {
             let product = u * moments.rate + moments.products / rows / 45.0;
             let row = [1.0, u, square, moments.rate, product];
             of_rows.push_mean(moments.rows, row.into_iter().chain(raw()), within());
-            let mut row = [0.0; 5];
+            let mut row = [0.0; Terms::COUNT];
             for SamplePoint { point, kept, .. } in &points[block.samples.clone()] {
                 let (u, rate) = (z(point.effective_c.into()), f64::from(point.rate_c_per_min));
                 for (sum, value) in row.iter_mut().zip([1.0, u, u * u, rate, u * rate]) {
@@ -245,12 +245,13 @@ fn regressors_from_samples_are_as_good_as_those_from_rows() {
                 }
             }
             of_samples.push_mean(moments.rows, row.into_iter().chain(raw()), within());
-            rate_squares += (row[3] - moments.rate).powi(2);
+            rate_squares += (row[Terms::STATIC] - moments.rate).powi(2);
         }
-        let [rows, samples] = [of_rows, of_samples].map(|mut factor| factor.solve(5).unwrap());
+        let [rows, samples] =
+            [of_rows, of_samples].map(|mut factor| factor.solve(Terms::COUNT).unwrap());
         let mut worst = 0.0_f64;
         for axis in 0..3 {
-            for term in 0..5 {
+            for term in 0..Terms::COUNT {
                 let apart = samples.coefficients[axis][term] - rows.coefficients[axis][term];
                 worst = worst.max(apart.abs() / rows.sigmas[axis][term]);
             }

@@ -1,8 +1,11 @@
 //! The tables below the figures.
 
 use maud::{Markup, html};
+use tempco::Terms;
 use tempco_evaluate::{Evaluation, figure};
-use tempco_set::{AxisSet, Candidate, ChannelSet, CoefficientSet, HeldOutErrors};
+use tempco_set::{
+    AxisSet, Candidate, ChannelSet, CoefficientSet, CoefficientSigmas, HeldOutErrors, LOCAL_TERMS,
+};
 
 use super::{axis_cell, cell, table};
 use crate::band::sigma_at;
@@ -253,21 +256,24 @@ pub(super) fn coefficients(set: &CoefficientSet) -> Markup {
         for (position, segment) in channel.segments.iter().enumerate() {
             let polynomial = &axis.polynomials[position];
             let sigmas = axis.sigmas.get(position);
-            let values = polynomial.a.into_iter().chain(polynomial.r);
-            let sigmas = sigmas.map_or([0.0; 5], |s| [s.a[0], s.a[1], s.a[2], s.r[0], s.r[1]]);
+            let sigmas = sigmas.map_or([0.0; Terms::COUNT], CoefficientSigmas::to_array);
             let mut row = vec![
                 axis_cell(&axis.name, axis.unit),
                 cell(format!("{:.2} to {:.2}", segment.t_min_c, segment.t_max_c)),
             ];
             row.extend(
-                values
+                polynomial
+                    .coefficients()
+                    .into_iter()
                     .zip(sigmas)
                     .map(|(value, sigma)| with_sigma(value, sigma)),
             );
             rows.push(row);
         }
     }
-    let head = ["axis", "segment [degC]", "1", "z", "z\u{b2}", "T'", "z T'"];
+    let terms = LOCAL_TERMS.map(|term| term.replace("^2", "\u{b2}"));
+    let mut head = vec!["axis", "segment [degC]"];
+    head.extend(terms.iter().map(String::as_str));
     html! {
         section {
             h2 { "Coefficients" }

@@ -5,7 +5,6 @@ use tempco_log::{AxisUnit, Log};
 
 use crate::assemble;
 use crate::segment::Overlap;
-use crate::table::numbers;
 use crate::{
     AxisSet, ChannelSet, CoefficientSet, Model, PlayData, Provenance, Settings, SlowPartData,
     TableData,
@@ -121,7 +120,7 @@ fn table_data(channel: &Channel) -> TableData {
         cells: channel
             .cells
             .chunks_exact(axes)
-            .map(|cell| cell.iter().map(numbers).collect())
+            .map(<[_]>::to_vec)
             .collect(),
         plays: channel
             .history

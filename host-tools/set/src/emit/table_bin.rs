@@ -9,7 +9,7 @@ use tempco_log::AxisUnit;
 use crate::{ChannelSet, CoefficientSet, TableData};
 
 /// Most bytes of an image: six axes of the most cells, each its own channel, with room for heads.
-const MOST_BYTES: usize = 6 * (100 + 20 * tempco::MAX_CELLS) + 256;
+const MOST_BYTES: usize = 6 * (100 + size_of::<Terms>() * tempco::MAX_CELLS) + 256;
 
 const fn code(unit: AxisUnit) -> Unit {
     match unit {
@@ -57,13 +57,7 @@ pub fn table_bin(set: &CoefficientSet) -> Result<Vec<u8>, String> {
     let cells: Vec<Vec<Terms>> = set
         .channels
         .iter()
-        .map(|channel| {
-            let axes = 0..channel.axes.len();
-            let by_axis: Vec<_> = axes.map(|axis| channel.table.terms::<1>(axis)).collect();
-            (0..channel.table.cells.len())
-                .flat_map(|cell| by_axis.iter().map(move |cells| cells[cell][0]))
-                .collect()
-        })
+        .map(|channel| channel.table.cells.concat())
         .collect();
     let explain = |error: ImageError| match error {
         ImageError::Field("serial") => format!(

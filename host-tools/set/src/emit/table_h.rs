@@ -2,8 +2,7 @@
 
 use std::fmt::Write as _;
 
-use tempco::MAX_AXES;
-use tempco::ThermalSettings;
+use tempco::{MAX_AXES, Terms, ThermalSettings};
 
 use super::table_bin::gains;
 use crate::escape::{c_literal, comment};
@@ -16,8 +15,8 @@ const TYPES: &str = r#"#ifndef TEMPCO_TABLE_TYPES
 /* Coefficients of one axis in one cell, lowest power first, with z from 0 at the cold edge of the
    cell to 1 at its hot edge: bias = a[0] + a[1] z + a[2] z^2 + rate (r[0] + r[1] z). */
 typedef struct {
-    float a[3]; /* unit of the axis */
-    float r[2]; /* unit of the axis per degC/min */
+    float a[STATIC]; /* unit of the axis */
+    float r[RATE]; /* unit of the axis per degC/min */
 } tempco_terms_t;
 
 /* Settings of the thermal path. */
@@ -79,6 +78,8 @@ fn write_table_h(out: &mut String, set: &CoefficientSet) -> std::fmt::Result {
     )?;
     let fields = ThermalSettings::NAMES.map(|name| format!("float {name};\n"));
     let types = TYPES
+        .replace("STATIC", &Terms::STATIC.to_string())
+        .replace("RATE", &Terms::RATE.to_string())
         .replace("SETTINGS", &fields.join("    "))
         .replace("GAINS", &MAX_AXES.to_string());
     writeln!(out, "{types}")?;
@@ -136,11 +137,9 @@ fn write_cells(out: &mut String, number: usize, channel: &ChannelSet) -> std::fm
         "static const tempco_terms_t tempco_cells_{number}[{} * TEMPCO_AXES] = {{",
         cells.len()
     )?;
-    for [a0, a1, a2, r0, r1] in cells.iter().flatten() {
-        writeln!(
-            out,
-            "    {{{{{a0:?}f, {a1:?}f, {a2:?}f}}, {{{r0:?}f, {r1:?}f}}}},"
-        )?;
+    for terms in cells.iter().flatten() {
+        let [a, r] = [&terms.a[..], &terms.r].map(floats);
+        writeln!(out, "    {{{{{a}}}, {{{r}}}}},")?;
     }
     writeln!(out, "}};\n")
 }

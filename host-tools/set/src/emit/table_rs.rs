@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use tempco::ThermalSettings;
+use tempco::{Terms, ThermalSettings};
 
 use crate::escape::comment;
 use crate::{AxisSet, ChannelSet, CoefficientSet, PlayData, SlowPartData, TableData};
@@ -83,11 +83,8 @@ fn write_cells(out: &mut String, number: usize, channel: &ChannelSet) -> std::fm
     )?;
     for cell in cells {
         writeln!(out, "    [")?;
-        for [a0, a1, a2, r0, r1] in cell {
-            writeln!(
-                out,
-                "        tempco::Terms {{ a: [{a0:?}, {a1:?}, {a2:?}], r: [{r0:?}, {r1:?}] }},"
-            )?;
+        for Terms { a, r } in cell {
+            writeln!(out, "        tempco::Terms {{ a: {a:?}, r: {r:?} }},")?;
         }
         writeln!(out, "    ],")?;
     }
