@@ -1,4 +1,4 @@
-//! Resets of the application, and why there was one: what is left in RAM tells.
+//! Resets of the application, and their reasons, which are kept in RAM.
 
 use core::panic::PanicInfo;
 use core::sync::atomic::{AtomicU32, Ordering};

@@ -45,7 +45,7 @@ pub enum ImageError {
     History {
         /// Plays that it has.
         plays: usize,
-        /// Slow parts that it has.
+        /// Second thermal lags that it has.
         slow_parts: usize,
     },
     /// The core refuses settings, grid or cells of a channel.
@@ -90,7 +90,7 @@ impl fmt::Display for ImageError {
             Self::Shape => f.write_str("not the expected channels and axes"),
             Self::History { plays, slow_parts } => write!(
                 f,
-                "{plays} plays and {slow_parts} slow parts, more than this program was compiled for"
+                "{plays} plays and {slow_parts} second thermal lags, more than this program was compiled for"
             ),
             Self::Table { channel, error } => write!(f, "channel {channel}: {error}"),
             Self::Jump {

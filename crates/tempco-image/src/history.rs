@@ -1,4 +1,4 @@
-//! The history terms of a channel: plays (hysteresis) and slow parts (second lag).
+//! The history terms of a channel: plays (hysteresis) and second thermal lags.
 
 use core::array::from_fn;
 use core::iter::once;
@@ -49,12 +49,12 @@ impl ChannelHistory {
         self.plays.iter().flatten()
     }
 
-    /// The slow parts.
+    /// The second thermal lags.
     pub fn slow_parts(&self) -> impl Iterator<Item = &SlowPart<MAX_AXES>> {
         self.slow_parts.iter().flatten()
     }
 
-    /// Number of plays and of slow parts.
+    /// Number of plays and of second thermal lags.
     pub fn counts(&self) -> (usize, usize) {
         let count = |count: usize| count.saturating_add(1);
         (
@@ -114,7 +114,7 @@ impl ChannelHistory {
         })
     }
 
-    /// The core's slow parts: those there are, then ones without gain and with the time constant of
+    /// The core's second thermal lags: those there are, then ones without gain and with the time constant of
     /// the rate estimator, which the core takes for every estimator.
     pub(crate) fn core_slow_parts<const AXES: usize, const SLOW: usize>(
         &self,

@@ -160,12 +160,12 @@ impl<'a> Image<'a> {
     }
 
     /// A table, with its cells borrowed from the image, for a program that was compiled for so
-    /// many axes, plays and slow parts. History terms that the image does not have become ones
+    /// many axes, plays and second lags. History terms that the image does not have become ones
     /// without gain.
     ///
     /// # Errors
     /// [`ImageError::Shape`] where there is no such channel or it has not `AXES` axes;
-    /// [`ImageError::History`] where it has more than `PLAYS` plays or `SLOW` slow parts;
+    /// [`ImageError::History`] where it has more than `PLAYS` plays or `SLOW` second lags;
     /// settings, grid, cells or history terms that the core refuses; a jump where the image is
     /// marked as continuous.
     pub fn table<const AXES: usize, const PLAYS: usize, const SLOW: usize>(
@@ -294,7 +294,7 @@ impl<'a> Image<'a> {
         self.axes
     }
 
-    /// Numbers of plays and slow parts of each channel.
+    /// Numbers of plays and second thermal lags of each channel.
     pub const fn history(&self) -> (usize, usize) {
         (self.plays, self.slow_parts)
     }

@@ -16,7 +16,7 @@ pub const FORMAT: (u16, u16) = (1, 0);
 pub const MODEL: (u16, u16) = (1, 0);
 /// The most play (hysteresis) terms of a channel.
 pub const MAX_PLAYS: usize = 2;
-/// The most slow parts of a channel.
+/// The most second thermal lags of a channel.
 pub const MAX_SLOW_PARTS: usize = 1;
 /// Bytes of the serial number, which is padded with zeros.
 pub const SERIAL_LEN: usize = 32;
@@ -77,7 +77,7 @@ const _: () = {
     assert!(offset_of!(RawChannel, cells) == 60 && offset_of!(RawChannel, units) == 64);
 };
 
-/// Bytes of the history terms of a channel: plays of half width and gains, then slow parts of time
+/// Bytes of the history terms of a channel: plays of half width and gains, then second lags of time
 /// constant, limit and gains.
 pub(crate) const fn history_len(axes: usize, plays: usize, slow_parts: usize) -> usize {
     let of_plays = axes.saturating_add(1).saturating_mul(plays);

@@ -16,7 +16,7 @@
 //! Each block of 4092 bytes has a CRC-32P4 of its own. Its generator, 0xF4ACFB13, finds every
 //! error of up to 5 bits in code words of up to 32768 bits, which is such a block with its CRC;
 //! the first 4-bit error that it misses spans 32769 bits. The header has one more at a fixed
-//! place, because a CRC whose place is told by a damaged length vouches for nothing. Hence every
+//! place, because a CRC whose place depends on a damaged length vouches for nothing. Hence every
 //! error of up to 5 bits in an image of any length is found, every burst of up to 32 bits, and
 //! all but 2^-32 of others.
 //!

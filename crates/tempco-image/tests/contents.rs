@@ -86,9 +86,9 @@ fn history_terms_are_checked() {
         (1, "gain of a play", gain),
         (2, "half_width_c", width),
         (3, "gain of a play", gain),
-        (4, "tau_s of a slow part", tau),
+        (4, "tau_s of a second thermal lag", tau),
         (5, "limit_c", width),
-        (6, "gain of a slow part", gain),
+        (6, "gain of a second thermal lag", gain),
     ] {
         let at = HEADER_LEN + CHANNEL_LEN + 4 * number;
         for bad in bad {

@@ -300,7 +300,7 @@ pub struct OutcomeBlock<'a> {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ChannelTelemetry {
-    /// Effective temperature \[degC\].
+    /// Lag-compensated temperature \[degC\].
     pub effective_c: f32,
     /// Rate of temperature \[degC/min\].
     pub rate_c_per_min: f32,

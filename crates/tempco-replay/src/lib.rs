@@ -26,7 +26,7 @@
 //!
 //! | outcome, `C` times `4 (3 + 2 A)` bytes | offset in channel | type | content |
 //! |---|---|---|---|
-//! | `effective_c` | 0 | f32 | effective temperature \[degC\] |
+//! | `effective_c` | 0 | f32 | lag-compensated temperature \[degC\] |
 //! | `rate_c_per_min` | 4 | f32 | rate of temperature \[degC/min\] |
 //! | `status` | 8 | u32 | bits of [`tempco::Status`] |
 //! | `bias[a]` | `12 + 8 a` | f32 | bias taken out \[unit of the axis\] |

@@ -40,10 +40,10 @@ pub struct Outcome<const C: usize, const A: usize> {
     pub channels: [ChannelOutcome<A>; C],
 }
 
-/// What one temperature channel's compensator made of its part of a [`Sample`].
+/// The outcome of one temperature channel for its part of a [`Sample`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChannelOutcome<const A: usize> {
-    /// Effective temperature \[degC\].
+    /// Lag-compensated temperature \[degC\].
     pub effective_c: f32,
     /// Rate of temperature \[degC/min\].
     pub rate_c_per_min: f32,

@@ -78,7 +78,7 @@ impl<SPI: SpiDevice> Max31865<SPI> {
     /// The least time from an edge of chip select to the next edge, of chip select or clock \[ns\].
     pub const SELECT_NS: u32 = 400;
 
-    /// The chip with a resistor and the reference resistor beside it (four times the resistance at
+    /// The chip with a resistor and the reference resistor next to it (four times the resistance at
     /// 0 degC, usually) \[ohm\]. [`start`](Self::start) comes next.
     pub fn new(
         spi: SPI,
@@ -134,7 +134,7 @@ impl<SPI: SpiDevice> Max31865<SPI> {
         ((code as u16).min(0x7fff) << 1).to_be_bytes()
     }
 
-    /// The temperature of the last conversion \[degC\]. After a fault the chip is told to look
+    /// The temperature of the last conversion \[degC\]. After a fault the chip is made to look
     /// again.
     ///
     /// # Errors

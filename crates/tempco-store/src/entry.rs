@@ -75,7 +75,7 @@ impl<const N: usize> Strip<N> {
             .get(..Self::stride::<F>() as usize)
             .ok_or(StoreError::Full)?;
         for index in index..self.count {
-            // Whether it was programmed is told by reading it, not by what the driver thinks.
+            // Reading it says whether it was programmed, not what the driver returns.
             let _ = flash.write(self.place::<F>(index), bytes);
             if self.read(flash, index) == Found::Entry(*words) {
                 return Ok(index + 1);

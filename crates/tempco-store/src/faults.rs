@@ -70,7 +70,7 @@ impl<const CODES: usize> FaultLog<CODES> {
         Ok(log)
     }
 
-    /// Notes an occurrence, `uptime_s` after boot.
+    /// Records an occurrence, `uptime_s` after boot.
     ///
     /// It is written where it is the first, second, fourth, eighth, ... since boot, so that a fault
     /// that comes every second does not wear out the flash; a reset loses less than half of the

@@ -20,7 +20,7 @@ enum Half {
     Second,
 }
 
-/// A journal of entries of `N` words. The first one is the magic number, which tells journals
+/// A journal of entries of `N` words. The first one is the magic number, which distinguishes journals
 /// apart, the second one the key, and the others are free.
 pub(crate) struct Journal<const N: usize> {
     magic: u32,

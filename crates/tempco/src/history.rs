@@ -1,13 +1,13 @@
 //! Terms of the bias that depend on where the temperature has been: hysteresis and a second lag.
 //!
-//! A table has none of them unless its set earned them, and without them they cost nothing: no
+//! A table has none of them unless its set selected them, and without them they cost nothing: no
 //! state, no instruction.
 //!
-//! They follow the effective temperature, faults and all: while it ramps to the reference because
-//! the temperature was lost, so do the contact and, in its time, the slow part. Each term is
+//! They follow the lag-compensated temperature, faults and all: while it ramps to the reference because
+//! the temperature was lost, so do the contact and, in its time, the lagging part. Each term is
 //! bounded by its gain and its half width or limit, and moves no faster than the effective
 //! temperature, so that neither a fault nor a return makes a step; after an interval of more than
-//! half its time constant a lag begins anew at zero.
+//! half its time constant a lag begins again at zero.
 
 use core::hint::select_unpredictable;
 
@@ -17,7 +17,7 @@ use crate::interval::slower_alpha;
 use crate::sign::{limit, magnitude};
 use crate::{Interval, TableError};
 
-/// A hysteresis term: the effective temperature drags a contact along, as through a slot.
+/// A hysteresis term: the lag-compensated temperature drags a contact along, as through a slot.
 ///
 /// ```text
 /// c  = min(max(c, u - w), u + w)          the contact follows at a distance of w at most [degC]
@@ -37,14 +37,14 @@ pub struct Play<const AXES: usize> {
     pub gain: [f32; AXES],
 }
 
-/// A second lag: a part of the unit that is slower than the rate estimator.
+/// A second thermal lag: a part of the unit that is slower than the rate estimator.
 ///
 /// ```text
-/// S += alpha (u - S)                      the slow part's temperature [degC]
+/// S += alpha (u - S)                      the part's temperature [degC]
 /// B += gain min(max(u - S, -limit), limit)
 /// ```
 ///
-/// with `alpha = 1 - exp(-dt / tau)`. After power-on the slow part is taken to be where the
+/// with `alpha = 1 - exp(-dt / tau)`. After power-on the part is taken to be where the
 /// temperature is, and so it is after an interval of more than half its time constant: the term
 /// fades in with that time constant.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -73,7 +73,7 @@ pub struct History<const AXES: usize, const PLAYS: usize = 0, const SLOW: usize 
 pub struct HistoryPoint<const PLAYS: usize, const SLOW: usize> {
     /// `u - c` of each play \[degC\].
     pub plays_c: [f32; PLAYS],
-    /// Lag of each slow part, within its limit \[degC\].
+    /// Each second thermal lag, within its limit \[degC\].
     pub lags_c: [f32; SLOW],
 }
 
@@ -111,13 +111,13 @@ impl<const AXES: usize, const PLAYS: usize, const SLOW: usize> History<AXES, PLA
         let mut i = 0;
         while i < SLOW {
             if !is_within(slow_parts[i].tau_s, tau_s, 6e4) {
-                return Err(TableError::Setting("tau_s of a slow part"));
+                return Err(TableError::Setting("tau_s of a second thermal lag"));
             }
             if !is_within(slow_parts[i].limit_c, 0.0, 1e3) {
                 return Err(TableError::Setting("limit_c"));
             }
             if !are_usable(&slow_parts[i].gain) {
-                return Err(TableError::Setting("gain of a slow part"));
+                return Err(TableError::Setting("gain of a second thermal lag"));
             }
             per_tau_hz[i] = 1.0 / slow_parts[i].tau_s;
             i += 1;
@@ -165,7 +165,7 @@ impl<const AXES: usize> History<AXES> {
 }
 
 impl<const PLAYS: usize, const SLOW: usize> HistoryState<PLAYS, SLOW> {
-    /// The state of a part that has been at this effective temperature for long \[degC\].
+    /// The state of a part that has been at this lag-compensated temperature for long \[degC\].
     pub const fn new(effective_c: f32) -> Self {
         Self {
             contacts_c: [effective_c; PLAYS],
@@ -173,7 +173,7 @@ impl<const PLAYS: usize, const SLOW: usize> HistoryState<PLAYS, SLOW> {
         }
     }
 
-    /// Takes the effective temperature of an update \[degC\], `interval` after the one before.
+    /// Takes the lag-compensated temperature of an update \[degC\], `interval` after the one before.
     ///
     /// # Timing
     /// No branch depends on the data.

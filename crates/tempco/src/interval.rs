@@ -30,7 +30,7 @@ pub struct Interval {
     pub(crate) alpha: f32,
     /// Rate of temperature per degree of lag \[1/min\].
     pub(crate) rate_gain_per_min: f32,
-    /// How far the effective temperature may move in this time \[bits of degC\].
+    /// How far the lag-compensated temperature may move in this time \[bits of degC\].
     pub(crate) slew: i32,
     /// A believable jump, without what the part can have moved \[degC\]. Negative infinity if
     /// no time has passed: a temperature without time is not believed.

@@ -2,7 +2,7 @@
 //!
 //! A gyro at rest should read zero. What it reads instead, its *bias*, moves with temperature
 //! and with how fast the temperature changes. This crate evaluates a fitted model of that bias
-//! beside the sampling loop and subtracts it: no heap, no panics, no `unsafe`, and only f32
+//! next to the sampling loop and subtracts it: no heap, no panics, no `unsafe`, and only f32
 //! `+ - *`, comparison and selection per sample, so that an x86 host and a Cortex-M compute the
 //! same bits.
 //!
@@ -13,7 +13,7 @@
 //!                (believable?)  (T', lag)    (u, T')    (bias)   (raw - bias)   + bias + status
 //!                                               |                   ^
 //!                                               +---> history ------+
-//!                                             (where u has been, if the set earned it)
+//!                                             (where u has been, if the set has them)
 //! ```
 //!
 //! With `T` the conditioned temperature \[degC\] and `L` its first-order filtered value (before
@@ -22,15 +22,15 @@
 //! ```text
 //! T' = (T - L) / tau                          rate of temperature       [degC/min]
 //!      / max(1 - exp(-t / tau), 60 s / tau)   t after power-on; 1 for tau up to 60 s
-//! u  = T - kappa tau T'                       effective temperature     [degC]
+//! u  = T - kappa tau T'                       lag-compensated temp.     [degC]
 //! z  = (u - t_min) / cell_width - k           place within cell k       [0, 1)
 //! B  = a0 + a1 z + a2 z^2 + T' (r0 + r1 z)    bias                      [unit of the axis]
 //! ```
 //!
 //! which is the composite model of Weng et al., *Sensors* 2020, 20(2), 377 for `kappa = 0`. Where a
 //! table has terms of the thermal history ([`Table::with_history`]), each hysteresis term adds
-//! `gain (u - c)` with a contact `c` that `u` drags along ([`Play`]), and each second lag adds
-//! `gain (u - S)` with a slow part at `S` ([`SlowPart`]).
+//! `gain (u - c)` with a contact `c` that `u` drags along ([`Play`]), and each second thermal lag adds
+//! `gain (u - S)` with a slower part of the unit at `S` ([`SlowPart`]).
 //! Configuration ([`Table`]) is immutable and can live in flash; all state is in the
 //! [`Compensator`]. A unit whose gyro is sampled faster than its temperature has a
 //! [`TwoRateCompensator`], or with several temperature sensors a [`Stream`] of them. A gyro that puts out pulses takes its bias in whole ones: [`PulseCarry`].

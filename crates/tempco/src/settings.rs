@@ -22,7 +22,7 @@ pub struct ThermalSettings {
     /// temperature may be from where it ramps to without [`SETTLING`](crate::Status::SETTLING).
     pub spike_gate_c: f32,
     /// Fastest change the part can undergo \[degC/min\]. Bounds what is believed after a fault,
-    /// and the speed at which the effective temperature, and with it the bias, may move (but for
+    /// and the speed at which the lag-compensated temperature, and with it the bias, may move (but for
     /// at least 2e-5 degC per update, which f32 can just represent).
     pub max_slew_c_per_min: f32,
     /// How long the last good temperature is held before it is given up \[s\], at most 20000.
@@ -32,7 +32,7 @@ pub struct ThermalSettings {
     pub heal_s: f32,
     /// Time constant of the rate estimator \[s\], 0.1 to 6000.
     pub tau_s: f32,
-    /// Shift of the effective temperature along the sensor's lag, 0 to 2; 0 is the paper.
+    /// Shift of the lag-compensated temperature along the sensor's lag, 0 to 2; 0 is the paper.
     pub kappa: f32,
     /// Lowest calibrated rate of temperature \[degC/min\], at most 0.
     pub rate_min_c_per_min: f32,
@@ -119,7 +119,7 @@ pub struct Thermal {
     pub(crate) sensor_middle_c: f32,
     pub(crate) sensor_reach: i32,
     pub(crate) hold_ticks: i32,
-    /// After this long without a believed temperature the estimator begins anew.
+    /// After this long without an accepted temperature the estimator begins again.
     pub(crate) restart_ticks: i32,
     /// What is left of settling after a temperature was rejected, below zero \[ticks\].
     pub(crate) healing: i32,
@@ -128,7 +128,7 @@ pub struct Thermal {
     pub(crate) settling: i32,
     pub(crate) slew_c_per_tick: f32,
     pub(crate) per_tau_hz: f32,
-    /// Shift of the effective temperature per rate, `kappa tau` \[min\].
+    /// Shift of the lag-compensated temperature per rate, `kappa tau` \[min\].
     pub(crate) shift_min: f32,
     /// The least share of the estimator's memory that it divides by, `60 s / tau`, at most 1.
     pub(crate) least_memory: f32,

@@ -48,13 +48,13 @@ impl Status {
     /// its value at the reference temperature.
     pub const TEMPERATURE_LOST: Self = Self(1 << 2);
     /// A start, restart or rejected temperature lies so little back that the rate estimate may
-    /// still be settling, or the effective temperature is still ramping to a new value.
+    /// still be settling, or the lag-compensated temperature is still ramping to a new value.
     pub const SETTLING: Self = Self(1 << 3);
     /// The interval since the last thermal update was not positive (the temperature is then not
     /// used), or longer than half the estimator's time constant (the estimator then restarts), or
     /// the next update is overdue by more than an update period.
     pub const INTERVAL_INVALID: Self = Self(1 << 4);
-    /// The effective temperature lies outside the calibrated range and was clamped to it.
+    /// The lag-compensated temperature lies outside the calibrated range and was clamped to it.
     pub const TEMPERATURE_CLAMPED: Self = Self(1 << 5);
     /// The rate of temperature lies outside the calibrated range and was clamped to it.
     pub const RATE_CLAMPED: Self = Self(1 << 6);

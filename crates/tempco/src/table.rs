@@ -107,7 +107,7 @@ impl From<[f32; Terms::COUNT]> for Terms {
 /// of whatever widths, are represented by cells of one width, which makes finding the cell one
 /// multiplication (and its cost independent of the temperature).
 ///
-/// `PLAYS` hysteresis terms and `SLOW` second lags come on top where the set earned them
+/// `PLAYS` hysteresis terms and `SLOW` second thermal lags come on top where the set has them
 /// ([`with_history`](Self::with_history)).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Table<'a, const AXES: usize, const PLAYS: usize = 0, const SLOW: usize = 0> {
@@ -123,7 +123,7 @@ pub struct Table<'a, const AXES: usize, const PLAYS: usize = 0, const SLOW: usiz
     history: History<AXES, PLAYS, SLOW>,
 }
 
-/// Where an effective temperature falls in a table.
+/// Where a lag-compensated temperature falls in a table.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Place {
@@ -272,7 +272,7 @@ impl<'a, const AXES: usize, const PLAYS: usize, const SLOW: usize> Table<'a, AXE
         &self.history
     }
 
-    /// Finds the cell of an effective temperature, which must not be NaN; outside the calibrated
+    /// Finds the cell of a lag-compensated temperature, which must not be NaN; outside the calibrated
     /// range, the cell of its nearest end.
     #[inline(always)]
     pub fn place(&self, effective_c: f32) -> Place {

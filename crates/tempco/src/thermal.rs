@@ -11,7 +11,7 @@ use crate::{Interval, Status, Thermal};
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ThermalPoint {
-    /// Effective temperature `u` \[degC\].
+    /// Lag-compensated temperature `u` \[degC\].
     pub effective_c: f32,
     /// Rate of temperature, clamped to the calibrated range \[degC/min\].
     pub rate_c_per_min: f32,
@@ -19,7 +19,7 @@ pub struct ThermalPoint {
     pub status: Status,
 }
 
-/// The state of the thermal path: conditioner, estimator, effective temperature.
+/// The state of the thermal path: conditioner, estimator, lag-compensated temperature.
 ///
 /// Used on its own by the fit, which thereby sees the very regressors that fly.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -67,7 +67,7 @@ impl ThermalState {
 
     /// Takes one temperature \[degC\], `interval` after the one before; NaN where there is none.
     ///
-    /// The effective temperature moves by no more than the maximum slew, whatever is passed in.
+    /// The lag-compensated temperature moves by no more than the maximum slew, whatever is passed in.
     /// Where the temperature is held, the rate decays with the time constant of the estimator.
     ///
     /// # Timing

@@ -203,7 +203,7 @@ fn the_rate_after_a_step_fades_below_the_last_place_of_the_temperature() {
     }
 }
 
-/// At the shift `kappa` the effective temperature is that of a part which lags (or leads).
+/// At the shift `kappa` the lag-compensated temperature is that of a part which lags (or leads).
 #[test]
 fn the_effective_temperature_lags_by_kappa_time_constants() {
     for &kappa in first(&[0.5, 0.0, 2.0], 1) {

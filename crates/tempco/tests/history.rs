@@ -39,7 +39,7 @@ fn slow_part(tau_s: f32, limit_c: f32) -> History<1, 0, 1> {
     History::new(60.0, [], [part]).unwrap()
 }
 
-/// How far the contact is behind at each effective temperature, from a first one on.
+/// How far the contact is behind at each lag-compensated temperature, from a first one on.
 fn through_play(history: &History<1, 1>, start: f32, path: &[f32]) -> Vec<f32> {
     let mut state = HistoryState::new(start);
     let update = |&u: &f32| state.update(history, &SECOND, u).plays_c[0];
@@ -293,7 +293,7 @@ fn both_compensators_end_at_the_same_bias() {
     }
 }
 
-/// A fault moves the effective temperature to the reference, and the terms with it.
+/// A fault moves the lag-compensated temperature to the reference, and the terms with it.
 #[test]
 fn a_lost_temperature_leaves_the_terms_within_their_bounds() {
     let mut unit = Compensator::new(&WITH_HISTORY);
@@ -359,13 +359,13 @@ fn bad_figures_are_refused_by_name() {
             assert_eq!(refused(Play { gain, ..PLAY }, SLOW), "gain of a play");
             assert_eq!(
                 refused(PLAY, SlowPart { gain, ..SLOW }),
-                "gain of a slow part"
+                "gain of a second thermal lag"
             );
         }
     }
     for tau_s in [f32::NAN, 0.0, 59.9, 60_001.0] {
         let part = SlowPart { tau_s, ..SLOW };
-        assert_eq!(refused(PLAY, part), "tau_s of a slow part");
+        assert_eq!(refused(PLAY, part), "tau_s of a second thermal lag");
     }
     let fitting = SlowPart {
         tau_s: 60.0,

@@ -247,7 +247,7 @@ fn intervals_at_their_limits() {
     }
 }
 
-/// However short the time, the effective temperature moves by what f32 can resolve: else it would
+/// However short the time, the lag-compensated temperature moves by what f32 can resolve: else it would
 /// never arrive.
 #[test]
 fn the_shortest_updates_move_the_effective_temperature() {

@@ -38,7 +38,7 @@ fn interval_s() -> impl Strategy<Value = f32> {
     ]
 }
 
-/// Settings from sluggish to hasty, with the shift of the effective temperature on or off.
+/// Settings from sluggish to hasty, with the shift of the lag-compensated temperature on or off.
 fn settings() -> impl Strategy<Value = ThermalSettings> {
     let kappa = prop_oneof![Just(0.0_f32), 0.0_f32..=2.0];
     (
@@ -72,7 +72,7 @@ fn run(table: &Table<'static, 2>, stream: &[Sample]) -> Vec<Output<2>> {
     stream.iter().map(step).collect()
 }
 
-/// One rounding of the effective temperature to f32, at the far end of any sensor.
+/// One rounding of the lag-compensated temperature to f32, at the far end of any sensor.
 fn last_place(value: f32) -> f32 {
     value.abs().max(1.0) * f32::EPSILON
 }
@@ -194,7 +194,7 @@ proptest! {
     }
 
     /// A held temperature is a second old. On a ramp that shifts the rate by (dt / tau)^2 of it
-    /// afterwards, one part in 3600, and the effective temperature not at all.
+    /// afterwards, one part in 3600, and the lag-compensated temperature not at all.
     #[test]
     fn one_bad_temperature_is_forgotten(
         ramp in -10.0_f32..10.0,

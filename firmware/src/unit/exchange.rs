@@ -17,7 +17,7 @@ const INJECTED: usize = 256;
 pub struct Moment<const C: usize, const A: usize> {
     /// The gyro sample \[unit of the axis\].
     pub raw: [[f32; A]; C],
-    /// What the compensators made of it.
+    /// The outcome of the compensators.
     pub outcome: Outcome<C, A>,
 }
 

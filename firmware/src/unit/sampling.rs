@@ -58,7 +58,7 @@ impl<'t, G: Gyro<C, A>, const C: usize, const A: usize> Sampling<'t, G, C, A> {
         }
     }
 
-    /// Takes note of the clock, which has just been started.
+    /// Remembers the time of the clock, which has just been started.
     pub fn start(&mut self, clock: &impl SampleClock) {
         self.free = clock.free_running();
         self.begun = self.free;

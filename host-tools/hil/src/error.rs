@@ -54,7 +54,7 @@ pub enum Error {
         /// Major version of the unit, where it says.
         unit: Option<u8>,
     },
-    /// The unit has begun anew, or another program has opened a session.
+    /// The unit has restarted, or another program has opened a session.
     #[error(
         "the unit lost its session at {request}: it was reset, or another program talks to it; \
          what was under way has ended and must be begun again"

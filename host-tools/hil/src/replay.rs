@@ -27,7 +27,7 @@ pub struct Comparison {
 }
 
 impl Comparison {
-    fn note(&mut self, is_same: bool) {
+    fn count(&mut self, is_same: bool) {
         if !is_same {
             self.different += 1;
             self.first.get_or_insert(self.samples);
@@ -39,7 +39,7 @@ impl Comparison {
 /// Replays any log row by row, each with its own time step, through what the unit's main loop runs
 /// in place of its compensator; `done` gets the number of samples so far.
 ///
-/// All that the unit answers of a sample is compared: effective temperature, rate, status, bias
+/// All that the unit answers of a sample is compared: lag-compensated temperature, rate, status, bias
 /// and compensated sample.
 ///
 /// # Errors
@@ -63,7 +63,7 @@ pub fn by_row<const C: usize, const A: usize, const PLAYS: usize, const SLOW: us
                 Response::Outcome(found) => Some(same_outcome(found, &expected)),
                 _ => None,
             })?;
-            comparison.note(is_same);
+            comparison.count(is_same);
             done(comparison.samples);
         }
         Ok(())
@@ -130,7 +130,7 @@ pub fn by_block<const C: usize, const A: usize, const PLAYS: usize, const SLOW: 
                 _ => None,
             })?;
             same.into_iter()
-                .for_each(|is_same| comparison.note(is_same));
+                .for_each(|is_same| comparison.count(is_same));
             done(comparison.samples);
         }
     })

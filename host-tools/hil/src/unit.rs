@@ -115,7 +115,7 @@ impl Unit {
         self.hello(answer, (tries as u32).max(1))
     }
 
-    /// Asks, and makes of the answer what `read` makes of it; none says that it does not fit.
+    /// Asks, and reads the answer; `read` returns nothing for one that does not fit.
     ///
     /// A question that was lost is sent again, and carried out once in any case. If the unit knows
     /// nothing of the session, a new one is opened; then a request that does not depend on earlier

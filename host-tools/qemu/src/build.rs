@@ -30,7 +30,7 @@ const TEST_IMAGES: [&str; 5] = ["bench", "faults", "golden", "guard", "guard_uni
 /// How an image is compiled, apart from what is in it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Variant {
-    /// Tells its images from others; empty for the usual one.
+    /// Part of the names of its images; empty for the usual one.
     pub name: &'static str,
     /// Cargo features of the firmware beyond the board's.
     pub features: &'static [&'static str],
@@ -144,7 +144,7 @@ fn keep(built: &Path, target_dir: &Path, name: &str) -> Result<PathBuf, Error> {
     Ok(image)
 }
 
-/// A file name for each combination: tables are told apart by what is in them.
+/// A file name for each combination: tables are distinguished by what is in them.
 fn image_name(
     board: Board,
     bin: &str,

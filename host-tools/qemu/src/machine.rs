@@ -136,7 +136,7 @@ impl Machine {
     }
 }
 
-/// As cutting the supply does: the image is not told.
+/// As cutting the supply does: the image gets no notice.
 impl Drop for Machine {
     fn drop(&mut self) {
         end(&mut self.child);

@@ -124,7 +124,7 @@ fn collect(pipe: Option<impl Read + Send + 'static>) -> JoinHandle<Vec<u8>> {
     thread::spawn(move || {
         let mut bytes = Vec::new();
         if let Some(mut pipe) = pipe {
-            // What was read before an error is kept; the exit status tells the rest.
+            // What was read before an error is kept; the exit status says the rest.
             _ = pipe.read_to_end(&mut bytes);
         }
         bytes

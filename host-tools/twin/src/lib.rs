@@ -2,7 +2,7 @@
 //! A simulated gyro unit in a thermal chamber.
 //!
 //! A calibration run takes a night in a chamber. This crate makes such a run in a fraction of a
-//! second, with the one thing a chamber cannot give: the true bias beside every sample.
+//! second, with the one thing a chamber cannot give: the true bias of every sample.
 //!
 //! ```text
 //! programme -> air -> case -> block -> cavity of each gyro -> thermal bias + drift

@@ -33,7 +33,7 @@ pub struct Sample {
     /// Output of the X, Y and Z gyro for the sample interval that ends at `time_s`: pulses counted
     /// in it, or its mean rate in steps of the output.
     pub counts: [i64; 3],
-    /// What a real unit would not tell.
+    /// What a real unit does not show.
     pub truth: Truth,
 }
 

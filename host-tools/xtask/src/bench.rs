@@ -30,7 +30,7 @@ pub(crate) struct Args {
 enum Side {
     /// Executed instructions in QEMU
     Target,
-    /// Rows per second on this machine, beside pandas and polars with numpy
+    /// Rows per second on this machine, next to pandas and polars with numpy
     Host,
 }
 

@@ -7,7 +7,7 @@ use plotters::prelude::*;
 
 /// Averaging time of the traces \[s\].
 const TAU_S: f64 = 100.0;
-/// Vermillion and blue of the Okabe-Ito palette, which colour-blind people can tell apart.
+/// Vermillion and blue of the Okabe-Ito palette, which colour-blind people can distinguish.
 const BEFORE: RGBColor = RGBColor(213, 94, 0);
 const AFTER: RGBColor = RGBColor(0, 114, 178);
 const TEMPERATURE: RGBColor = RGBColor(90, 90, 90);

@@ -33,7 +33,7 @@ enum Task {
     Check,
     /// The same bits on hosts and targets, over ten million samples
     Golden(golden::Args),
-    /// The paper's tables on a simulated unit, beside the printed ones
+    /// The paper's tables on a simulated unit, next to the printed ones
     Paper(paper::Args),
     /// Coverage, mutants and Miri, as far as their tools can be had: slow, not part of `test`
     Verify(verify::Args),

@@ -1,4 +1,4 @@
-//! The paper's calibration flow on the simulated unit, beside what is printed.
+//! The paper's calibration flow on the simulated unit, next to the printed tables.
 
 mod flow;
 mod printed;
@@ -6,7 +6,7 @@ mod show;
 
 use anyhow::{Result, ensure};
 
-/// Run the paper's flow and print its tables beside the printed ones
+/// Run the paper's flow and print its tables next to the printed ones
 #[derive(clap::Args)]
 pub(crate) struct Args {
     /// Number of seeds; with more than one, mean and sample standard deviation are printed

@@ -83,7 +83,7 @@ fn intermediate_code(workspace: &Workspace) -> Result<PathBuf> {
     Ok(file)
 }
 
-/// Installs Debian packages if it may; a failure is told, and what needs them is skipped later.
+/// Installs Debian packages if it may; a failure is printed, and what needs them is skipped later.
 fn install(program: &str, packages: &[&str]) {
     let quiet = |command: &mut Command| {
         let command = command.stdout(Stdio::null()).stderr(Stdio::null());

@@ -10,7 +10,7 @@ use tempco::{Compensator, Interval, Output, Status, Table, Terms};
 pub(crate) use table::*;
 
 pub(crate) const SECOND: Interval = Interval::new(&THERMAL, 1.0);
-/// What the effective temperature may move in one second by the default settings \[degC\].
+/// What the lag-compensated temperature may move in one second by the default settings \[degC\].
 pub(crate) const SLEW_C: f32 = 0.5;
 
 /// Cases of a property; a few under Miri, which looks at every access and is slow.

@@ -43,7 +43,7 @@ pub fn take(
         link: Uart::link()?,
         thermometers: BenchThermometers::new(Uart::bench()?),
         watchdog: BoardWatchdog(()),
-        // The board does not tell; the watchdog's warning does.
+        // The board does not say; the watchdog's warning does.
         reset_cause: ResetCause::PowerOn,
         faults: FaultSet::NONE,
     };

@@ -59,7 +59,7 @@ pub fn take(
         link: Line::start(core)?,
         thermometers: Thermometer,
         watchdog: BoardWatchdog,
-        // The board does not tell. What the program resets for, it remembers itself.
+        // The board does not say. The program remembers its own resets.
         reset_cause: ResetCause::PowerOn,
         faults: FaultSet::NONE,
     };

@@ -3,7 +3,7 @@
 use embedded_hal::spi::SpiDevice;
 use tempco_sensors::{Filter, Max31865, Platinum, SensorFault, Wires};
 
-/// The reference resistor beside the chip \[ohm\].
+/// The reference resistor next to the chip \[ohm\].
 pub const REFERENCE_OHM: f64 = 4000.0;
 
 /// Temperatures beyond which the chip reports a broken wire \[degC\].

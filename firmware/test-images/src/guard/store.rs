@@ -29,7 +29,7 @@ const fn region(number: u32) -> Region {
 
 type Buffer = AlignedBytes<512>;
 
-/// Updates a table twice, boots, rolls back, notes faults and keeps offsets.
+/// Updates a table twice, boots, rolls back, records faults and keeps offsets.
 ///
 /// # Errors
 /// None, unless something is broken.

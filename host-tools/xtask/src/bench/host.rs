@@ -1,4 +1,4 @@
-//! Rows per second of the `tempco` command, beside what users would write instead.
+//! Rows per second of the `tempco` command, next to what users would write instead.
 
 use std::fs::File;
 use std::io::{BufWriter, Write};

@@ -14,7 +14,7 @@ const LOOK: Duration = Duration::from_millis(2);
 pub(super) struct Taken {
     /// From start to end \[s\].
     pub(super) seconds: f64,
-    /// Most memory resident at a time; 0 where the system does not tell (it does on Linux).
+    /// Most memory resident at a time; 0 where the system does not say (Linux does).
     pub(super) peak_memory_bytes: u64,
 }
 

@@ -1,4 +1,4 @@
-//! The three tables, found beside printed.
+//! The three tables, those found next to those printed.
 
 use tempco_report::table;
 
@@ -85,7 +85,7 @@ fn table_1(outcomes: &[Outcome]) {
     println!(
         "Without overlap each segment is the best fit to its own part of the data; overlap gives up a\n\
          little of that for neighbours that agree. The printed residuals hold more than the noise of\n\
-         this unit, 0.005; raw sigmas differ because the printed programme of soaks is not known."
+         this unit, 0.005; raw sigmas differ because the printed profile of soaks is not known."
     );
 }
 
