@@ -61,10 +61,7 @@ fn list() -> Result<()> {
     print("programmes")?;
     for name in PROFILES {
         let profile = Profile::named(name)?;
-        print(format_args!(
-            "  {name:12}  {}",
-            profile.programme().description
-        ))?;
+        print(format_args!("  {name:12}  {}", profile.parts().description))?;
     }
     Ok(())
 }

@@ -1,4 +1,4 @@
-//! Chamber programmes: steps in a row, with what else happens to the unit.
+//! Chamber profiles: steps in a row, with what else happens to the unit.
 
 use core::ops::RangeInclusive;
 
@@ -8,22 +8,22 @@ use crate::check::{Invalid, Range, element};
 use crate::events::{Fault, Motion};
 use crate::step::{Course, Leg, Legs, Step};
 
-/// Air temperatures a programme may ask for, degC.
+/// Air temperatures a profile may ask for, degC.
 ///
 /// Wider than any chamber for this purpose, narrow enough to catch a temperature in kelvin.
 pub const AIR_RANGE_C: RangeInclusive<f64> = -100.0..=200.0;
 
-/// Longest programme, s (10 000 h).
+/// Longest profile, s (10 000 h).
 pub const MAX_DURATION_S: f64 = 3.6e7;
 
-/// Most legs a programme may have, cycles written out.
+/// Most legs a profile may have, cycles written out.
 const MAX_LEGS: usize = 100_000;
 
-/// What a programme file says: the chamber's steps, and what else happens to the unit.
+/// What a profile file says: the chamber's steps, and what else happens to the unit.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Programme {
-    /// One line for lists of programmes.
+pub struct ProfileParts {
+    /// One line for lists of profiles.
     #[serde(default)]
     pub description: String,
     /// Temperature of air and unit before time 0, degC.
@@ -45,14 +45,14 @@ pub struct Programme {
     pub motion: Vec<Motion>,
 }
 
-/// A programme that has been found sound.
+/// A profile that has been found sound.
 ///
-/// The unit has stood at [`start_c`](Programme::start_c) long enough to have settled when the
-/// programme begins at time 0.
+/// The unit has stood at [`start_c`](ProfileParts::start_c) long enough to have settled when the
+/// profile begins at time 0.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Profile {
     name: String,
-    programme: Programme,
+    parts: ProfileParts,
     /// One leg for each stretch that takes time, then one that never ends.
     legs: Vec<Leg>,
     duration_s: f64,
@@ -63,32 +63,32 @@ impl Profile {
     ///
     /// # Errors
     ///
-    /// As [`Profile::from_programme`].
+    /// As [`Profile::from_parts`].
     pub fn new(name: &str, start_c: f64, steps: &[Step]) -> Result<Self, Invalid> {
-        let programme = Programme {
+        let parts = ProfileParts {
             start_c,
             step: steps.to_vec(),
-            ..Programme::default()
+            ..ProfileParts::default()
         };
-        Self::from_programme(name, programme)
+        Self::from_parts(name, parts)
     }
 
-    /// Makes a profile of a whole programme.
+    /// Checks the parts of a profile.
     ///
     /// # Errors
     ///
     /// [`Invalid`] names the first number outside the range given at its field, or says that the
-    /// programme is empty or too long.
-    pub fn from_programme(name: &str, programme: Programme) -> Result<Self, Invalid> {
-        Range::TEMPERATURE.check("start_c", programme.start_c)?;
-        for rate_dph in programme.input_rate_dph {
+    /// profile is empty or too long.
+    pub fn from_parts(name: &str, parts: ProfileParts) -> Result<Self, Invalid> {
+        Range::TEMPERATURE.check("start_c", parts.start_c)?;
+        for rate_dph in parts.input_rate_dph {
             Range::SIGNED.check("input_rate_dph", rate_dph)?;
         }
-        if programme.step.is_empty() {
+        if parts.step.is_empty() {
             return Err(Invalid::new("step", "an empty list", "one step or more"));
         }
-        let mut course = Legs::starting_at(programme.start_c);
-        for (index, step) in programme.step.iter().enumerate() {
+        let mut course = Legs::starting_at(parts.start_c);
+        for (index, step) in parts.step.iter().enumerate() {
             let place = element("step", index);
             step.append(&mut course)
                 .map_err(|error| error.inside(&place))?;
@@ -97,11 +97,11 @@ impl Profile {
                 return Err(Invalid::new(place, found, "10000 h in all at most"));
             }
         }
-        for (index, fault) in programme.fault.iter().enumerate() {
+        for (index, fault) in parts.fault.iter().enumerate() {
             let place = element("fault", index);
             fault.check().map_err(|error| error.inside(place))?;
         }
-        for (index, motion) in programme.motion.iter().enumerate() {
+        for (index, motion) in parts.motion.iter().enumerate() {
             let place = element("motion", index);
             motion.check().map_err(|error| error.inside(place))?;
         }
@@ -113,7 +113,7 @@ impl Profile {
         });
         Ok(Self {
             name: name.to_owned(),
-            programme,
+            parts,
             legs: course.legs,
             duration_s,
         })
@@ -125,21 +125,21 @@ impl Profile {
     }
 
     /// What the profile was made from.
-    pub fn programme(&self) -> &Programme {
-        &self.programme
+    pub fn parts(&self) -> &ProfileParts {
+        &self.parts
     }
 
     /// The steps, in order.
     pub fn steps(&self) -> &[Step] {
-        &self.programme.step
+        &self.parts.step
     }
 
     /// Temperature of air and unit before time 0, degC.
     pub fn start_c(&self) -> f64 {
-        self.programme.start_c
+        self.parts.start_c
     }
 
-    /// Duration of the whole programme, s.
+    /// Duration of the whole profile, s.
     pub fn duration_s(&self) -> f64 {
         self.duration_s
     }

@@ -4,7 +4,7 @@ use core::fmt::Display;
 
 use thiserror::Error;
 
-/// A part of a unit or a programme that cannot be.
+/// A part of a unit or a profile that cannot be.
 ///
 /// Reads `PATH is FOUND, expected EXPECTED`; elements of lists are counted from 1.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
@@ -63,7 +63,7 @@ impl Range {
     pub(crate) const TIME_CONSTANT: Self = Self::new(0.001, 1e7);
     /// Durations of steps \[minutes\].
     pub(crate) const DURATION_MIN: Self = Self::new(1e-4, 6e5);
-    /// Times in a programme \[minutes\].
+    /// Times in a profile \[minutes\].
     pub(crate) const TIME_MIN: Self = Self::new(0.0, 6e5);
     /// Rates of chamber air \[degC/min\]: the fastest shock chambers stay below the upper end.
     pub(crate) const AIR_RATE: Self = Self::new(1e-4, 100.0);

@@ -18,7 +18,7 @@ pub struct UnknownName {
     pub known: &'static [&'static str],
 }
 
-/// A unit or programme file that cannot be used.
+/// A unit or profile file that cannot be used.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum FileError {

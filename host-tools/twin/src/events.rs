@@ -10,7 +10,7 @@ use crate::check::{Invalid, Range};
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Fault {
-    /// Beginning, minutes from the start of the programme.
+    /// Beginning, minutes from the start of the profile.
     pub at_min: f64,
     /// Duration, minutes; a spike takes one sample, whatever this is.
     #[serde(default)]
@@ -66,7 +66,7 @@ pub enum AxisName {
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Motion {
-    /// Beginning, minutes from the start of the programme.
+    /// Beginning, minutes from the start of the profile.
     pub at_min: f64,
     /// Duration, minutes.
     pub duration_min: f64,

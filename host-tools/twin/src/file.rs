@@ -1,4 +1,4 @@
-//! Units and programmes as TOML files.
+//! Units and profiles as TOML files.
 
 use std::fs;
 use std::path::Path;
@@ -6,7 +6,7 @@ use std::path::Path;
 use serde::de::DeserializeOwned;
 use toml::de::{DeTable, DeValue};
 
-use crate::chamber::{Profile, Programme};
+use crate::chamber::{Profile, ProfileParts};
 use crate::check::Invalid;
 use crate::error::FileError;
 use crate::unit::Unit;
@@ -24,7 +24,7 @@ impl Unit {
 }
 
 impl Profile {
-    /// Reads a programme file; the profile has the file's name without ending.
+    /// Reads a profile file; the profile has the file's name without ending.
     ///
     /// # Errors
     ///
@@ -58,8 +58,8 @@ pub(crate) fn unit(name: &str, text: &str) -> Result<Unit, Problem> {
 
 /// The profile that a TOML text describes.
 pub(crate) fn profile(name: &str, text: &str) -> Result<Profile, Problem> {
-    let programme: Programme = parse(text)?;
-    Profile::from_programme(name, programme).map_err(|error| Problem::located(text, error))
+    let parts: ProfileParts = parse(text)?;
+    Profile::from_parts(name, parts).map_err(|error| Problem::located(text, error))
 }
 
 /// What is wrong with a text, and where.

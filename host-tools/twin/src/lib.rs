@@ -5,7 +5,7 @@
 //! second, with the one thing a chamber cannot give: the true bias of every sample.
 //!
 //! ```text
-//! programme -> air -> case -> block -> cavity of each gyro -> thermal bias + drift
+//! profile   -> air -> case -> block -> cavity of each gyro -> thermal bias + drift
 //!                       |       |                                   |
 //!                       +-------+-> sensor           motion, tones, angle noise
 //!                                     |                             |
@@ -16,7 +16,7 @@
 //!
 //! The bias is a function of the *cavity* temperature, and the cavity lags the sensor. The truth is
 //! therefore outside the family `B(T, T')` that a calibration fits to the sensor's temperature, as
-//! it is on real units. Units and programmes are TOML files, those with a name included; `docs/twin.md`
+//! it is on real units. Units and profiles are TOML files, those with a name included; `docs/twin.md`
 //! has the equations and every parameter.
 //!
 //! # Example
@@ -71,7 +71,7 @@ mod tone;
 mod unit;
 mod units;
 
-pub use chamber::{AIR_RANGE_C, MAX_DURATION_S, Profile, Programme};
+pub use chamber::{AIR_RANGE_C, MAX_DURATION_S, Profile, ProfileParts};
 pub use check::Invalid;
 pub use csv_out::{log_header, truth_header, write_log, write_log_and_truth};
 pub use curve::{BlendedQuadratics, LegendreSeries, StaticCurve};

@@ -1,4 +1,4 @@
-//! The chamber programmes that have a name.
+//! The chamber profiles that have a name.
 
 use crate::chamber::Profile;
 use crate::error::UnknownName;
@@ -63,7 +63,7 @@ impl Profile {
     /// [`UnknownName`] lists the names.
     pub fn named(name: &str) -> Result<Self, UnknownName> {
         let profile = file::profile(name, Self::source(name)?);
-        Ok(profile.expect("the programmes of this crate are valid"))
+        Ok(profile.expect("the profiles of this crate are valid"))
     }
 }
 
@@ -123,7 +123,7 @@ mod tests {
     fn every_listed_name_exists_and_no_other() {
         for name in PROFILES {
             assert_eq!(named(name).name(), *name);
-            assert!(!named(name).programme().description.is_empty(), "{name}");
+            assert!(!named(name).parts().description.is_empty(), "{name}");
         }
         let error = Profile::named("calibartion").unwrap_err();
         assert_eq!(

@@ -1,4 +1,4 @@
-//! A unit run through a chamber programme, sample by sample.
+//! A unit run through a chamber profile, sample by sample.
 
 use core::iter::FusedIterator;
 use core::ops::RangeInclusive;
@@ -26,7 +26,7 @@ pub const RATE_RANGE_HZ: RangeInclusive<f64> = 0.01..=10_000.0;
 /// What the unit puts out at one time, and the truth behind it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sample {
-    /// Time since the start of the programme, s; sample `i` is at exactly `i / rate_hz`.
+    /// Time since the start of the profile, s; sample `i` is at exactly `i / rate_hz`.
     pub time_s: f64,
     /// Temperature reading, degC; NaN when there is none.
     pub temp_c: f64,
@@ -50,7 +50,7 @@ pub struct Truth {
 
 /// Iterator over the samples of one run.
 ///
-/// The first sample is at time 0, the last at or just before the end of the programme. Temperatures
+/// The first sample is at time 0, the last at or just before the end of the profile. Temperatures
 /// are exact solutions at any rate, and drift is a function of time: runs at two rates have the same
 /// truth at the times they share, hysteresis apart, which sees the turning points to within a sample.
 #[derive(Debug, Clone)]
@@ -111,7 +111,7 @@ impl Simulation {
             tones: unit.tone.iter().enumerate().map(tone).collect(),
             disturbance: [0.0; 3],
             // 1 deg/h is 1 arcsec/s.
-            input_rate: profile.programme().input_rate_dph.map(|rate| rate / arcsec),
+            input_rate: profile.parts().input_rate_dph.map(|rate| rate / arcsec),
             sensor: TemperatureSensor::new(&unit.temperature, seed),
             gyros: core::array::from_fn(|axis| {
                 let quantiser = Quantiser::new(unit.output, unit.rate_unit, interval_s);
@@ -134,7 +134,7 @@ impl Simulation {
         for tone in &mut self.tones {
             add(&mut sum, tone.angle_at(time_s));
         }
-        let motions = &self.profile.programme().motion;
+        let motions = &self.profile.parts().motion;
         if !motions.is_empty() {
             let arcsec = self.unit.output.arcsec_per_angle(self.unit.rate_unit);
             for motion in motions {
@@ -169,8 +169,8 @@ impl Simulation {
         self.heat.advance_to(&self.unit, &self.profile, time_s);
         let angles = self.angles(time_s);
         let mut counts = core::array::from_fn(|axis| self.gyros[axis].count(angles[axis]));
-        let programme = self.profile.programme();
-        let faults = programme
+        let parts = self.profile.parts();
+        let faults = parts
             .fault
             .iter()
             .filter(|fault| fault.is_there(interval_begin_s, time_s));
@@ -181,7 +181,7 @@ impl Simulation {
                 counts[axis as usize] = 0;
             }
         }
-        if programme
+        if parts
             .motion
             .iter()
             .any(|motion| motion.is_there(interval_begin_s, time_s))
@@ -233,7 +233,7 @@ impl Iterator for Simulation {
 
 impl FusedIterator for Simulation {}
 
-/// The temperatures of a unit on its way through a programme.
+/// The temperatures of a unit on its way through a profile.
 #[derive(Debug, Clone)]
 struct Heat {
     settled: Settled,
@@ -247,7 +247,7 @@ struct Heat {
 
 impl Heat {
     fn new(unit: &Unit, profile: &Profile, interval_s: f64) -> Self {
-        let powered = !profile.programme().cold_start;
+        let powered = !profile.parts().cold_start;
         Self {
             settled: Settled::new(&unit.thermal),
             whole_interval: Propagator::new(&unit.thermal, interval_s),
@@ -257,7 +257,7 @@ impl Heat {
         }
     }
 
-    /// Moves the state, split where the programme bends so that each part is exact.
+    /// Moves the state, split where the profile bends so that each part is exact.
     fn advance_to(&mut self, unit: &Unit, profile: &Profile, time_s: f64) {
         let begin_s = self.time_s;
         while self.time_s < time_s {
@@ -281,9 +281,9 @@ impl Heat {
     }
 }
 
-/// Samples from time 0 up to and including the end of the programme.
+/// Samples from time 0 up to and including the end of the profile.
 fn sample_count(duration_s: f64, rate_hz: f64) -> u64 {
-    // The end of a programme is a sum of rounded durations; a sample that would fall on it is
+    // The end of a profile is a sum of rounded durations; a sample that would fall on it is
     // not to be lost to an error of the last bit.
     const TOLERANCE: f64 = 1e-6;
     (duration_s * rate_hz + TOLERANCE).floor() as u64 + 1

@@ -1,10 +1,10 @@
-//! The steps of a chamber programme, and the stretches of time they make.
+//! The steps of a chamber profile, and the stretches of time they make.
 
 use serde::Deserialize;
 
 use crate::check::{Invalid, Range};
 
-/// One step of a chamber programme.
+/// One step of a chamber profile.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Step {

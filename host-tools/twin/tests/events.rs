@@ -1,8 +1,8 @@
 //! Faults, motion, lost rows and cold starts, in whole runs.
 
 use tempco_twin::{
-    Fault, FaultKind, Flags, GyroNoise, Motion, MotionKind, Profile, Programme, RateUnit, Sample,
-    Simulation, Step, TemperatureReading, Unit,
+    Fault, FaultKind, Flags, GyroNoise, Motion, MotionKind, Profile, ProfileParts, RateUnit,
+    Sample, Simulation, Step, TemperatureReading, Unit,
 };
 
 const RATE_HZ: f64 = 4.0;
@@ -16,31 +16,31 @@ fn quiet(name: &str) -> Unit {
     unit
 }
 
-fn at_rest() -> Programme {
-    Programme {
+fn at_rest() -> ProfileParts {
+    ProfileParts {
         start_c: 20.0,
         step: vec![Step::Soak {
             air_c: 20.0,
             duration_min: 10.0,
         }],
-        ..Programme::default()
+        ..ProfileParts::default()
     }
 }
 
-fn run(unit: &Unit, programme: Programme) -> Vec<Sample> {
-    let profile = Profile::from_programme("test", programme).unwrap();
+fn run(unit: &Unit, parts: ProfileParts) -> Vec<Sample> {
+    let profile = Profile::from_parts("test", parts).unwrap();
     Simulation::new(unit, &profile, 1, RATE_HZ)
         .unwrap()
         .collect()
 }
 
-fn with_fault(what: FaultKind) -> Programme {
+fn with_fault(what: FaultKind) -> ProfileParts {
     let fault = Fault {
         at_min: 2.0,
         duration_min: 1.0,
         what,
     };
-    Programme {
+    ProfileParts {
         fault: vec![fault],
         ..at_rest()
     }
@@ -82,23 +82,23 @@ fn temperature_faults_are_where_the_programme_says_and_flagged() {
 
 #[test]
 fn a_stuck_sensor_repeats_its_last_reading_on_a_ramp() {
-    let mut programme = with_fault(FaultKind::TemperatureStuck);
-    programme.step = vec![Step::Ramp {
+    let mut parts = with_fault(FaultKind::TemperatureStuck);
+    parts.step = vec![Step::Ramp {
         to_c: 40.0,
         rate_c_per_min: 2.0,
     }];
-    let samples = run(&quiet("paper"), programme);
+    let samples = run(&quiet("paper"), parts);
     let before = samples.iter().find(|s| s.time_s == 119.75).unwrap().temp_c;
     assert_eq!(span(&samples, |s| s.temp_c == before), (119.75, 179.75));
 }
 
 #[test]
 fn a_dead_gyro_puts_out_nothing_and_the_others_go_on() {
-    let mut programme = with_fault(FaultKind::GyroDead {
+    let mut parts = with_fault(FaultKind::GyroDead {
         axis: tempco_twin::AxisName::Y,
     });
-    programme.input_rate_dph = [36.0; 3];
-    let samples = run(&quiet("paper"), programme);
+    parts.input_rate_dph = [36.0; 3];
+    let samples = run(&quiet("paper"), parts);
     let dead = |s: &Sample| s.truth.flags.contains(Flags::GYRO_FAULT);
     assert_eq!(span(&samples, dead), (120.0, 179.75));
     for sample in &samples {
@@ -138,9 +138,9 @@ fn motion_and_earth_rate_turn_the_gyros_by_their_angle() {
     for name in ["paper", "ln100", "mems", "fog"] {
         let mut unit = quiet(name);
         unit.tone.clear();
-        let sums = |programme: Programme| {
+        let sums = |parts: ProfileParts| {
             let mut sums = [0_i64; 3];
-            for sample in run(&unit, programme) {
+            for sample in run(&unit, parts) {
                 for (sum, count) in sums.iter_mut().zip(sample.counts) {
                     *sum += count;
                 }
@@ -148,7 +148,7 @@ fn motion_and_earth_rate_turn_the_gyros_by_their_angle() {
             sums
         };
         let rest = sums(at_rest());
-        let moved = sums(Programme {
+        let moved = sums(ProfileParts {
             motion: vec![motion],
             input_rate_dph: [0.0, 3600.0, 0.0],
             ..at_rest()
@@ -181,7 +181,7 @@ fn power_comes_on_at_a_cold_start_only() {
     let unit = quiet("hysteretic");
     let cold = run(
         &unit,
-        Programme {
+        ProfileParts {
             cold_start: true,
             ..at_rest()
         },

@@ -1,4 +1,4 @@
-//! Units and programmes as TOML: what is read, and what is refused.
+//! Units and profiles as TOML: what is read, and what is refused.
 
 use std::path::PathBuf;
 

@@ -1,8 +1,8 @@
-//! Any valid unit on any valid programme gives finite output; what is not valid is refused.
+//! Any valid unit on any valid profile gives finite output; what is not valid is refused.
 
 use proptest::prelude::*;
 use tempco_twin::{
-    Axis, Drift, GyroNoise, LegendreSeries, ModeSteps, Output, Part, Play, Profile, Programme,
+    Axis, Drift, GyroNoise, LegendreSeries, ModeSteps, Output, Part, Play, Profile, ProfileParts,
     RateUnit, Simulation, StaticCurve, Step, TemperatureReading, ThermalNetwork, Tone, Unit,
 };
 
@@ -107,8 +107,8 @@ prop_compose! {
     }
 }
 
-fn programme() -> Programme {
-    Programme {
+fn parts() -> ProfileParts {
+    ProfileParts {
         start_c: 20.0,
         cold_start: true,
         step: vec![
@@ -127,7 +127,7 @@ fn programme() -> Programme {
                 count: 2,
             },
         ],
-        ..Programme::default()
+        ..ProfileParts::default()
     }
 }
 
@@ -137,7 +137,7 @@ proptest! {
     #[test]
     fn any_valid_unit_gives_finite_output(unit in unit(), rate_hz in between(0.01, 100.0)) {
         unit.check().unwrap();
-        let profile = Profile::from_programme("any", programme()).unwrap();
+        let profile = Profile::from_parts("any", parts()).unwrap();
         for sample in Simulation::new(&unit, &profile, 1, rate_hz).unwrap().take(2000) {
             prop_assert!(sample.time_s.is_finite() && sample.temp_c.is_finite());
             prop_assert!((-99.0..=199.0).contains(&sample.temp_c));
