@@ -170,17 +170,15 @@ where
         Ok(())
     }
 
-    /// Reads the thermometers when it is time, and sends their temperatures to the interrupt.
+    /// Reads the thermometers when it is time.
     pub(super) fn read_thermometers(&mut self) {
         let samples = self.ends.counts.samples();
         let period = self.schedule.samples_per_update;
         if !self.thermometry.is_due(samples, period) {
             return;
         }
-        if let Some(temps_c) = self.thermometry.read() {
+        if self.thermometry.read_and_send(&mut self.ends.temperatures) {
             self.started_at.get_or_insert(self.ends.counts.samples());
-            // A full queue means that the interrupt does not come; the watchdog's matter.
-            _ = self.ends.temperatures.enqueue(temps_c);
         }
         let faults: Vec<(Fault, u32), C> = self.thermometry.faults().collect();
         for (fault, channel) in faults {

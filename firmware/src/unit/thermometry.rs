@@ -1,6 +1,7 @@
 //! Temperatures on schedule, and what is wrong with the sensors.
 
 use heapless::Vec;
+use heapless::spsc::Producer;
 use tempco_link::Fault;
 use tempco_sensors::SensorFault;
 
@@ -72,9 +73,20 @@ impl<T: Thermometers<C>, const C: usize> Thermometry<T, C> {
         self.readings
     }
 
-    /// Reads every sensor; the temperatures for the compensator, NaN where there is none, or
-    /// nothing while the sensors start \[degC\].
-    pub fn read(&mut self) -> Option<[f32; C]> {
+    /// Reads every sensor and sends the temperatures to the interrupt; whether there were any, which
+    /// there are but while the sensors start.
+    pub fn read_and_send(&mut self, interrupt: &mut Producer<'_, [f32; C]>) -> bool {
+        let Some(temps_c) = self.read() else {
+            return false;
+        };
+        // A full queue means that the interrupt does not come; the watchdog's matter.
+        _ = interrupt.enqueue(temps_c);
+        true
+    }
+
+    /// The temperatures for the compensator, NaN where there is none, or nothing while the sensors
+    /// start \[degC\].
+    fn read(&mut self) -> Option<[f32; C]> {
         self.readings = self.readings.wrapping_add(1);
         let readings = self.thermometers.read();
         for (sensor, reading) in self.sensors.iter_mut().zip(readings) {
