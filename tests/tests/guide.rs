@@ -9,7 +9,7 @@ use tempco_tests::{Bench, root};
 const BEGIN: &str = "<!-- plan -->\n";
 const END: &str = "<!-- end of plan -->\n";
 const HEAD: &str = "\
-| programme | hours | composite x | y | z | spline x | y | z |
+| profile | hours | composite x | y | z | spline x | y | z |
 | --- | --- | --- | --- | --- | --- | --- | --- |
 ";
 const PROGRAMMES: [&str; 5] = ["up_only", "static", "one_rate", "cycles", "calibration"];
