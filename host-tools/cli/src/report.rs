@@ -7,7 +7,7 @@ use tempco_log::ReadOptions;
 use tempco_report::{Gatherer, LogTimes, Report};
 use tempco_set::CoefficientSet;
 use tempco_set::files::write_files;
-use tempco_set::run::{Reread, is_rereadable, rerun};
+use tempco_set::run::{KnownLog, apply_to_file, is_rereadable};
 
 use crate::progress::Progress;
 
@@ -27,7 +27,7 @@ pub(crate) fn ensure_rereadable(paths: &[PathBuf]) -> Result<()> {
 
 /// A log as its first reading found it.
 pub(crate) struct Found {
-    pub(crate) log: Reread,
+    pub(crate) log: KnownLog,
     pub(crate) duration_s: f64,
 }
 
@@ -35,7 +35,7 @@ pub(crate) struct Found {
 pub(crate) fn fitted_logs(set: &CoefficientSet, paths: &[PathBuf]) -> Vec<Found> {
     let inputs = set.provenance.inputs.iter().zip(paths);
     let found = inputs.map(|(input, path)| Found {
-        log: Reread {
+        log: KnownLog {
             path: path.clone(),
             interval_s: input.interval_s,
             sha256: input.sha256.clone(),
@@ -63,11 +63,11 @@ pub(crate) fn gather(
     let progress = Progress::over(logs.iter().map(|found| &found.log.path));
     for found in logs {
         gatherer.begin_log();
-        let mut told = 0;
-        rerun(set, &found.log, options, |answers, bytes| {
-            gatherer.push(answers);
-            progress.add(bytes - told);
-            told = bytes;
+        let mut shown = 0;
+        apply_to_file(set, &found.log, options, |time_s, applied, bytes| {
+            gatherer.push(time_s, applied);
+            progress.add(bytes - shown);
+            shown = bytes;
         })?;
     }
     Ok(gatherer)

@@ -3,10 +3,9 @@
 use std::ops::RangeInclusive;
 
 use serde::Serialize;
+use tempco::ThermalPoint;
 use tempco_log::{AxisUnit, Log};
-use tempco_set::run::{
-    Applied, ApplyError, ChannelInputs, apply, inputs, points_of, with_every_rate,
-};
+use tempco_set::run::{Applied, ApplyError, apply};
 use tempco_set::{ChannelSet, CoefficientSet, CoefficientSigmas, SegmentSet};
 use thiserror::Error;
 
@@ -158,9 +157,8 @@ pub fn evaluate(
     let applied = apply(set, log)?;
     let mut axes = Vec::new();
     let mut number = 0;
-    for inputs in inputs(set, log)? {
-        let channel = inputs.channel;
-        let shared = OfChannel::new(log, &inputs, tau_s)?;
+    for (channel, points) in set.channels.iter().zip(&applied.points) {
+        let shared = OfChannel::new(log, channel, points, tau_s);
         for of_channel in 0..channel.axes.len() {
             let judged = Judged {
                 log,
@@ -231,22 +229,21 @@ struct OfChannel {
 impl OfChannel {
     /// The rate is the core's before it is clamped to the calibrated range: what the figures tell
     /// of the log does not depend on the set's limits.
-    fn new(log: &Log, inputs: &ChannelInputs, tau_s: f64) -> Result<Self, ApplyError> {
-        let settings = inputs.channel.table.thermal;
-        let thermal = with_every_rate(settings)?;
-        let points: Vec<(f32, f32)> = points_of(log, inputs.temp_c, &thermal)
-            .into_iter()
+    fn new(log: &Log, channel: &ChannelSet, points: &[ThermalPoint], tau_s: f64) -> Self {
+        let points: Vec<(f32, f32)> = points
+            .iter()
             .map(|point| (point.effective_c, point.rate_c_per_min))
             .collect();
         let means = |figure: fn(&(f32, f32)) -> f32| {
             let values = points.iter().map(|point| f64::from(figure(point)));
             Means::new(&log.time_s, log.interval_s, values, tau_s).means
         };
-        Ok(Self {
-            bins: Bins::new(&points, log.interval_s, settings.tau_s.into()),
+        let tau_s = channel.table.thermal.tau_s;
+        Self {
+            bins: Bins::new(&points, log.interval_s, tau_s.into()),
             temperatures: means(|point| point.0),
             rates: means(|point| point.1),
-        })
+        }
     }
 
     fn correlation(&self, means: &Means) -> Measured<Correlation> {

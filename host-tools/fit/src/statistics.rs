@@ -87,13 +87,14 @@ struct BlockBiases<'a> {
     blocks: &'a Blocks,
 }
 
-impl TableUse<1, 1> for BlockBiases<'_> {
+impl TableUse for BlockBiases<'_> {
     type Output = Vec<f64>;
 
-    fn with<const PLAYS: usize, const SLOW: usize>(
+    fn with<const CHANNELS: usize, const AXES: usize, const PLAYS: usize, const SLOW: usize>(
         self,
-        [table]: &[Table<1, PLAYS, SLOW>; 1],
+        tables: &[Table<AXES, PLAYS, SLOW>; CHANNELS],
     ) -> Vec<f64> {
+        let table = &tables[0];
         let points = SamplePoints::new(self.data, table.thermal());
         let of_log = |log: usize| {
             let mut history = HistoryState::new(points.start_c(log));

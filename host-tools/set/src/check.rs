@@ -3,14 +3,16 @@
 use std::fmt::Display;
 use std::ops::RangeInclusive;
 
-use tempco::Terms;
+use tempco::{Table, Terms};
 
+use crate::history::MOST;
 use crate::model::{AxisModel, horner};
 use crate::segment::Overlap;
 use crate::tabulate;
 use crate::{
     AxisSet, AxisStatistics, Candidate, ChannelSet, CoefficientSet, CoefficientSigmas,
-    FORMAT_VERSION, HeldOutErrors, NoiseSet, Screening, SegmentSet, Selection,
+    FORMAT_VERSION, HeldOutErrors, NoiseSet, Screening, SegmentSet, Selection, TableData, TableUse,
+    use_axis,
 };
 
 /// Angles per pulse that a gyro can have \[arcsec\].
@@ -223,6 +225,43 @@ impl ChannelSet {
             same(&pairs, |terms| &terms.r, &per_rate).map_err(far)?;
         }
         Ok(())
+    }
+}
+
+impl TableData {
+    /// Checks the form of the table, and that the core accepts it.
+    fn check(&self, axes: usize) -> Result<(), String> {
+        if self.cells.iter().any(|cell| cell.len() != axes) {
+            return Err(format!("a cell of the table does not have {axes} axes"));
+        }
+        let (plays, slow_parts) = MOST;
+        if self.plays.len() > plays || self.slow_parts.len() > slow_parts {
+            return Err(format!(
+                "{} plays and {} slow parts: expected {plays} and {slow_parts} at most",
+                self.plays.len(),
+                self.slow_parts.len()
+            ));
+        }
+        let gains = self.plays.iter().map(|play| &play.gain);
+        let mut gains = gains.chain(self.slow_parts.iter().map(|part| &part.gain));
+        if gains.any(|gain| gain.len() != axes) {
+            return Err(format!("a play or slow part does not have {axes} gains"));
+        }
+        (0..axes)
+            .try_for_each(|axis| use_axis(self, axis, Accept).map_err(|error| error.to_string()))
+    }
+}
+
+/// That the core accepts tables.
+struct Accept;
+
+impl TableUse for Accept {
+    type Output = ();
+
+    fn with<const CHANNELS: usize, const AXES: usize, const PLAYS: usize, const SLOW: usize>(
+        self,
+        _: &[Table<AXES, PLAYS, SLOW>; CHANNELS],
+    ) {
     }
 }
 

@@ -12,6 +12,7 @@
 //! | `check`, `rounding` | whether a set that was read holds together; bounds on the table's rounding |
 //! | `emit` | `table.rs`, `table.h`, `table.bin`, and a set from a flash image |
 //! | `load`, `import`, `folder` | sets from files, printed coefficients, the folder of a set |
+//! | `dispatch` | numbers of channels, axes and history terms, from a file to the compiler |
 //! | [`run`] | the core over a log: in memory, or as a stream |
 //! | [`escape`], [`files`] | texts from elsewhere; files that belong together |
 #![forbid(unsafe_code)]
@@ -19,6 +20,7 @@
 pub mod assemble;
 mod axis;
 mod check;
+mod dispatch;
 mod emit;
 pub mod escape;
 pub mod files;
@@ -41,6 +43,7 @@ mod tabulate;
 
 pub use axis::{AxisSet, AxisStatistics, CoefficientSigmas, GainSet, NoiseSet};
 pub use check::SCALE_FACTORS_ARCSEC;
+pub use dispatch::{ShapeUse, TableUse, use_axis, use_shape, use_tables};
 pub use emit::{set_of_image, table_bin, table_h, table_rs};
 pub use folder::{MARK, REPORT, TABLE_BIN, WriteError, file_names, strangers, write_set};
 pub use history::{PlayData, SlowPartData, Term};
@@ -56,4 +59,4 @@ pub use selection::{Candidate, HeldOutErrors, Place, Selection};
 pub use set::{
     ChannelSet, CoefficientSet, Coverage, FORMAT_VERSION, MISMATCH_ALARM, SegmentSet, Settings,
 };
-pub use table::{TableData, TableUse, use_axis, use_tables};
+pub use table::TableData;

@@ -199,7 +199,7 @@ fn slope(a: &[f64], r: &[f64], rate: f64, beyond: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::model::horner;
-    use crate::{PlayData, SlowPartData, TableUse, use_tables};
+    use crate::{PlayData, SlowPartData, TableUse, use_axis};
     use proptest::prelude::*;
     use tempco::{
         Compensator, HistoryState, Interval, Table, Terms, ThermalPoint, ThermalSettings,
@@ -285,26 +285,27 @@ mod tests {
         }];
         let bound = data.rounding_bound(0).total;
         assert!(bound > without + (3.0 * 0.7 + 20.0 * 0.3) * UNIT);
-        let worst = use_tables([&data], Measure(&data)).unwrap();
+        let worst = use_axis(&data, 0, Measure(&data)).unwrap();
         assert!(worst <= bound && worst > 0.02 * bound, "{worst} {bound}");
     }
 
     struct Measure<'a>(&'a TableData);
 
-    impl TableUse<1, 1> for Measure<'_> {
+    impl TableUse for Measure<'_> {
         type Output = f64;
 
-        fn with<const PLAYS: usize, const SLOW: usize>(
+        fn with<const CHANNELS: usize, const AXES: usize, const PLAYS: usize, const SLOW: usize>(
             self,
-            [core]: &[Table<1, PLAYS, SLOW>; 1],
+            tables: &[Table<AXES, PLAYS, SLOW>; CHANNELS],
         ) -> f64 {
+            let core = &tables[0];
             let mut unit = Compensator::new(core);
             unit.start(20.0);
             let interval = Interval::new(core.thermal(), 1.0);
             let mut history = HistoryState::new(20.0);
             let steps = (0..20_000).map(|i| {
                 let temp_c = 30.0 + 40.0 * (0.003 * i as f32).sin();
-                let out = unit.step(&interval, temp_c, [0.0]);
+                let out = unit.step(&interval, temp_c, [0.0; AXES]);
                 let past = history.update(core.history(), &interval, out.point.effective_c);
                 let u = f64::from(out.point.effective_c);
                 let exact = (u - f64::from(self.0.first_edge_c)) / self.0.cell_width_c();

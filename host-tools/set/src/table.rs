@@ -1,11 +1,12 @@
 //! The table of a channel as data: what JSON holds, what the core borrows, what the CRC covers.
 
-use crate::history::{MOST, PlayData, SlowPartData};
+use crate::history::{PlayData, SlowPartData};
 use serde::{Deserialize, Serialize};
 use tempco::{Table, TableError, Terms, Thermal, ThermalSettings};
 use tempco_image::CRC;
 
-/// A table of the core with as many cells and axes as needed.
+/// A table of the core with as many cells and axes as needed; [`use_tables`](crate::use_tables) makes
+/// the core's.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TableData {
@@ -30,78 +31,12 @@ pub struct TableData {
     pub slow_parts: Vec<SlowPartData>,
 }
 
-/// Something to do with the core's tables of some channels, whatever their numbers of plays and
-/// slow parts.
-pub trait TableUse<const CHANNELS: usize, const AXES: usize> {
-    /// What comes of it.
-    type Output;
-
-    /// Does it.
-    fn with<const PLAYS: usize, const SLOW: usize>(
-        self,
-        tables: &[Table<AXES, PLAYS, SLOW>; CHANNELS],
-    ) -> Self::Output;
-}
-
-/// Makes the core's tables of all axes, with their history terms, and uses them.
-///
-/// # Errors
-/// What the core refuses.
-///
-/// # Panics
-/// If a table has fewer axes, or not as many history terms as the others, or more than a set may
-/// have.
-pub fn use_tables<const CHANNELS: usize, const AXES: usize, U: TableUse<CHANNELS, AXES>>(
-    data: [&TableData; CHANNELS],
-    task: U,
-) -> Result<U::Output, TableError> {
-    use_axes(data, 0, task)
-}
-
-/// The same for one axis.
-pub fn use_axis<U: TableUse<1, 1>>(
-    data: &TableData,
-    axis: usize,
-    task: U,
-) -> Result<U::Output, TableError> {
-    use_axes([data], axis, task)
-}
-
-/// The same for `AXES` axes from `first_axis` on.
-fn use_axes<const CHANNELS: usize, const AXES: usize, U: TableUse<CHANNELS, AXES>>(
-    data: [&TableData; CHANNELS],
-    first_axis: usize,
-    task: U,
-) -> Result<U::Output, TableError> {
-    let cells = data.map(|data| data.terms::<AXES>(first_axis));
-    let mut tables = Vec::with_capacity(CHANNELS);
-    for (data, cells) in data.iter().zip(&cells) {
-        tables.push(data.table_over(cells)?);
-    }
-    macro_rules! with_counts {
-        ($($plays:literal $slow_parts:literal),+) => {
-            match (data[0].plays.len(), data[0].slow_parts.len()) {
-                $(($plays, $slow_parts) => {
-                    let with_history = data.iter().zip(tables).map(|(data, table)| {
-                        let play = |i: usize| data.plays[i].play(first_axis);
-                        let part = |i: usize| data.slow_parts[i].slow_part(first_axis);
-                        table.with_history::<$plays, $slow_parts>(
-                            std::array::from_fn(play),
-                            std::array::from_fn(part),
-                        )
-                    });
-                    let tables: Vec<_> = with_history.collect::<Result<_, _>>()?;
-                    let tables = tables[..].try_into().expect("one for each channel");
-                    Ok(task.with::<$plays, $slow_parts>(tables))
-                })+
-                _ => unreachable!("a set has {MOST:?} history terms at most"),
-            }
-        };
-    }
-    with_counts!(0 0, 1 0, 2 0, 0 1, 1 1, 2 1)
-}
-
 impl TableData {
+    /// Number of axes.
+    pub(crate) fn axes(&self) -> usize {
+        self.cells.first().map_or(0, Vec::len)
+    }
+
     /// The cells of `AXES` axes from the first of `axes` on, as the core borrows them.
     ///
     /// # Panics
@@ -134,28 +69,6 @@ impl TableData {
     ) -> Result<R, TableError> {
         let cells = self.terms::<1>(axis);
         Ok(read(&self.table_over(&cells)?))
-    }
-
-    pub(crate) fn check(&self, axes: usize) -> Result<(), String> {
-        if self.cells.iter().any(|cell| cell.len() != axes) {
-            return Err(format!("a cell of the table does not have {axes} axes"));
-        }
-        let (plays, slow_parts) = MOST;
-        if self.plays.len() > plays || self.slow_parts.len() > slow_parts {
-            return Err(format!(
-                "{} plays and {} slow parts: expected {plays} and {slow_parts} at most",
-                self.plays.len(),
-                self.slow_parts.len()
-            ));
-        }
-        let gains = self.plays.iter().map(|play| &play.gain);
-        let mut gains = gains.chain(self.slow_parts.iter().map(|part| &part.gain));
-        if gains.any(|gain| gain.len() != axes) {
-            return Err(format!("a play or slow part does not have {axes} gains"));
-        }
-        (0..axes).try_for_each(|axis| {
-            use_axes::<1, 1, _>([self], axis, Check).map_err(|error| error.to_string())
-        })
     }
 
     /// Temperatures that show the whole static curve: the edges and three places in each cell,
@@ -220,15 +133,6 @@ impl TableData {
     }
 }
 
-/// That the core accepts a table.
-struct Check;
-
-impl TableUse<1, 1> for Check {
-    type Output = ();
-
-    fn with<const PLAYS: usize, const SLOW: usize>(self, _: &[Table<1, PLAYS, SLOW>; 1]) {}
-}
-
 /// CRC-32P4 over the numbers of the tables: for each, the thermal settings, the four temperatures, the
 /// numbers of cells and axes as u32, then the cells; where there are any plays or slow parts, their
 /// numbers as u32, then the numbers of each play and each slow part. All little-endian.
@@ -244,8 +148,7 @@ pub(crate) fn crc32<'a>(tables: impl Iterator<Item = &'a TableData>) -> u32 {
         for value in table.thermal.to_array().into_iter().chain(temps) {
             digest.update(&value.to_le_bytes());
         }
-        let axes = table.cells.first().map_or(0, Vec::len);
-        for count in [table.cells.len(), axes] {
+        for count in [table.cells.len(), table.axes()] {
             digest.update(&(count as u32).to_le_bytes());
         }
         for value in table.cells.iter().flatten().flat_map(Terms::to_array) {

@@ -8,7 +8,7 @@ use anyhow::{Context, Result, ensure};
 use serde::Serialize;
 use tempco_evaluate::{Evaluation, Role, evaluate, judge, sign_off};
 use tempco_report::{Report, Subject};
-use tempco_set::run::Reread;
+use tempco_set::run::KnownLog;
 use tempco_set::{CoefficientSet, Judgement};
 
 use crate::Verdict;
@@ -70,7 +70,7 @@ pub(crate) fn run(args: &Args) -> Result<Verdict> {
     let evaluation = evaluate(&set, &log, against.as_ref(), args.tau)
         .with_context(|| args.put.log.display().to_string())?;
     let found = Found {
-        log: Reread {
+        log: KnownLog {
             path: args.put.log.clone(),
             interval_s: log.interval_s,
             sha256: log.sha256.clone(),

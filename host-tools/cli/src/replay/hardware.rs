@@ -8,8 +8,9 @@ use tempco_hil::{Identity, Patience, Unit, flash_set, open};
 use tempco_image::{MAX_PLAYS, MAX_SLOW_PARTS};
 use tempco_link::{FaultSet, Telemetry};
 use tempco_qemu::{Board, Machine, MachineOptions, MachineTime, Variant};
+use tempco_set::{ShapeUse, use_shape};
 
-use super::{Differences, Replay, for_shape};
+use super::{Differences, Replay};
 use crate::output::print;
 use crate::port_args::bank_name;
 use crate::progress::Progress;
@@ -100,10 +101,16 @@ fn through(
         put.log.interval_s,
         1.0 / identity.schedule.sample_rate_hz
     );
-    let comparison = for_shape!(
-        put.shape(),
-        compare(put, unit, identity, in_blocks, real_time)
-    )?;
+    let (channels, axes) = (put.inputs.len(), put.inputs[0].channel.axes.len());
+    let task = Compare {
+        put,
+        unit,
+        identity,
+        in_blocks,
+        real_time,
+    };
+    let comparison = use_shape(channels, axes, task)
+        .with_context(|| format!("{channels} channels of {axes} axes: expected up to 6 axes"))??;
     show_state(&comparison.before, &comparison.after)?;
     Ok(Differences {
         count: comparison.different as usize,
@@ -118,25 +125,39 @@ fn is_of_sample_rate(put: &Replay, identity: &Identity) -> bool {
     put.log.intervals_s().all(is_near)
 }
 
-fn compare<const C: usize, const A: usize>(
-    put: &Replay,
-    unit: &mut Unit,
-    identity: &Identity,
+/// Replaying the log through the unit and through the host.
+struct Compare<'a, 'u> {
+    put: &'a Replay<'a>,
+    unit: &'u mut Unit,
+    identity: &'a Identity,
     in_blocks: bool,
     real_time: bool,
-) -> Result<Comparison> {
-    // The very tables that are in the unit, with room for as many history terms.
-    let image = put.image.image()?;
-    let tables = image.tables::<C, A, MAX_PLAYS, MAX_SLOW_PARTS>()?;
-    let progress = Progress::over_rows(put.log.rows() as u64);
-    let done = |rows| progress.at(rows);
-    let samples = put.samples::<C, A>();
-    let comparison = if in_blocks {
-        by_block(unit, &tables, &identity.schedule, real_time, samples, done)
-    } else {
-        by_row(unit, &tables, samples, done)
-    };
-    comparison.map_err(|error| anyhow!(error))
+}
+
+impl ShapeUse for Compare<'_, '_> {
+    type Output = Result<Comparison>;
+
+    fn with<const C: usize, const A: usize>(self) -> Self::Output {
+        let Self {
+            put,
+            unit,
+            identity,
+            in_blocks,
+            real_time,
+        } = self;
+        // The very tables that are in the unit, with room for as many history terms.
+        let image = put.image.image()?;
+        let tables = image.tables::<C, A, MAX_PLAYS, MAX_SLOW_PARTS>()?;
+        let progress = Progress::over_rows(put.log.rows() as u64);
+        let done = |rows| progress.at(rows);
+        let samples = put.samples::<C, A>();
+        let comparison = if in_blocks {
+            by_block(unit, &tables, &identity.schedule, real_time, samples, done)
+        } else {
+            by_row(unit, &tables, samples, done)
+        };
+        comparison.map_err(|error| anyhow!(error))
+    }
 }
 
 fn show_state(before: &Telemetry, after: &Telemetry) -> Result<()> {

@@ -6,7 +6,7 @@ mod semihosting;
 use std::path::PathBuf;
 use std::str::FromStr;
 
-use anyhow::{Error, Result, anyhow, ensure};
+use anyhow::{Error, Result, ensure};
 use tempco_log::Log;
 use tempco_qemu::{Board, Variant, Workspace, build_variant, ensure_qemu, ensure_target_of};
 use tempco_replay::Sample;
@@ -127,11 +127,6 @@ struct Differences {
 }
 
 impl Replay<'_> {
-    /// Temperature channels and axes of each.
-    fn shape(&self) -> (usize, usize) {
-        (self.inputs.len(), self.inputs[0].channel.axes.len())
-    }
-
     /// The rows of the log as the firmware takes them.
     fn samples<const C: usize, const A: usize>(&self) -> impl Iterator<Item = Sample<C, A>> {
         let inputs = self.inputs;
@@ -159,25 +154,4 @@ impl Replay<'_> {
             variant,
         )?)
     }
-}
-
-/// Calls a function with the channels and axes of a set as constants.
-macro_rules! for_shape {
-    ($shape:expr, $function:ident($($argument:expr),*)) => {
-        for_shape!(
-            $shape, $function($($argument),*),
-            (1, 1)(1, 2)(1, 3)(1, 4)(1, 5)(1, 6)(2, 1)(2, 2)(2, 3)(3, 1)(3, 2)(4, 1)(5, 1)(6, 1)
-        )
-    };
-    ($shape:expr, $function:ident $arguments:tt, $(($channels:literal, $axes:literal))+) => {
-        match $shape {
-            $(($channels, $axes) => $function::<$channels, $axes> $arguments,)+
-            (channels, axes) => Err($crate::replay::no_such_shape(channels, axes)),
-        }
-    };
-}
-use for_shape;
-
-fn no_such_shape(channels: usize, axes: usize) -> Error {
-    anyhow!("{channels} channels of {axes} axes: expected up to 6 axes")
 }

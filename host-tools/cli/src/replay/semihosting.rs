@@ -1,17 +1,18 @@
 //! Through the compensators alone, on boards without the application: files in, files out.
 
-use anyhow::{Result, anyhow, ensure};
+use anyhow::{Result, ensure};
 use tempco::Table;
 use tempco_qemu::{Board, Variant, replay};
 use tempco_replay::{Header, Outcome, Record};
 use tempco_set::{TableData, TableUse, use_tables};
 
-use super::{Differences, Replay, for_shape};
+use super::{Differences, Replay};
 use crate::output::print;
 
 /// Builds the image with the set's table, runs it over the log, shows its log.
 pub(super) fn in_qemu(put: &Replay, board: Board) -> Result<Differences> {
-    let streams = for_shape!(put.shape(), streams(put))?;
+    let tables: Vec<&TableData> = put.inputs.iter().map(|i| &i.channel.table).collect();
+    let streams = use_tables(&tables, MakeStreams(put))??;
     let image = put.build(board, "replay", &Variant::USUAL)?;
     let (outcomes, run) = replay(&image, board, &streams.samples)?;
     for line in &run.log {
@@ -32,21 +33,13 @@ struct Streams {
     outcome_len: usize,
 }
 
-fn streams<const C: usize, const A: usize>(put: &Replay) -> Result<Streams> {
-    let data: Vec<&TableData> = put.inputs.iter().map(|i| &i.channel.table).collect();
-    let data: [&TableData; C] = data
-        .try_into()
-        .map_err(|_| anyhow!("channels of the set"))?;
-    use_tables::<C, A, _>(data, MakeStreams(put))?
-}
-
 /// Running the log through the host.
 struct MakeStreams<'a>(&'a Replay<'a>);
 
-impl<const C: usize, const A: usize> TableUse<C, A> for MakeStreams<'_> {
+impl TableUse for MakeStreams<'_> {
     type Output = Result<Streams>;
 
-    fn with<const PLAYS: usize, const SLOW: usize>(
+    fn with<const C: usize, const A: usize, const PLAYS: usize, const SLOW: usize>(
         self,
         tables: &[Table<A, PLAYS, SLOW>; C],
     ) -> Self::Output {

@@ -15,7 +15,7 @@ mod spread;
 mod stretches;
 
 use tempco_set::CoefficientSet;
-use tempco_set::run::Answers;
+use tempco_set::run::Applied;
 
 pub(crate) use allan::{Deviation, MOST_CLUSTERS};
 pub(crate) use axis::{Direction, GatheredAxis};
@@ -114,14 +114,14 @@ impl Gatherer {
         });
     }
 
-    /// Takes the next rows of a log.
+    /// Takes the next rows of a log, with their times \[s\].
     ///
     /// # Panics
     /// If no log was begun.
-    pub fn push(&mut self, answers: &Answers) {
+    pub fn push(&mut self, time_s: &[f64], applied: &Applied) {
         let log = self.logs.last_mut().expect("a log that was begun");
-        for (row, &time_s) in answers.time_s.iter().enumerate() {
-            log.push(answers, row, time_s);
+        for (row, &time_s) in time_s.iter().enumerate() {
+            log.push(applied, row, time_s);
         }
     }
 
@@ -164,7 +164,7 @@ impl Gatherer {
 }
 
 impl LogSums {
-    fn push(&mut self, answers: &Answers, row: usize, time_s: f64) {
+    fn push(&mut self, applied: &Applied, row: usize, time_s: f64) {
         if self.first_s.is_nan() {
             self.first_s = time_s;
         }
@@ -177,9 +177,10 @@ impl LogSums {
         }
         self.rows += 1.0;
         let mut series = self.allan.at(time_s).series.iter_mut();
-        for (channel, answer) in self.channels.iter_mut().zip(&answers.channels) {
-            channel.push(&answer.points[row], self.times.interval_s, since_s);
-            for (axis, output) in channel.axes.iter_mut().zip(&answer.axes) {
+        let mut outputs = applied.axes.iter();
+        for (channel, points) in self.channels.iter_mut().zip(&applied.points) {
+            channel.push(&points[row], self.times.interval_s, since_s);
+            for (axis, output) in channel.axes.iter_mut().zip(outputs.by_ref()) {
                 let [raw, compensated] = [output.raw[row], output.compensated[row]].map(f64::from);
                 axis.push(raw, compensated, since_s);
                 for (sums, value) in series.by_ref().take(2).zip([raw, compensated]) {
@@ -205,7 +206,7 @@ mod tests {
     use tempco_fit::{FitOptions, fit};
     use tempco_log::{Axis, AxisUnit, Channel, Log};
     use tempco_set::Model;
-    use tempco_set::run::{AxisOutput, ChannelAnswers};
+    use tempco_set::run::AxisOutput;
 
     use super::*;
 
@@ -238,7 +239,7 @@ mod tests {
     }
 
     /// Rows of a ramp, 0.1 s apart: a bias of 1, of which 0.25 remains; once 9 remains.
-    fn answers(rows: std::ops::Range<usize>) -> Answers {
+    fn applied(rows: std::ops::Range<usize>) -> Applied {
         let of = |bias: f32| {
             rows.clone()
                 .map(|row| {
@@ -250,23 +251,18 @@ mod tests {
                 })
                 .collect()
         };
-        Answers {
-            time_s: rows.clone().map(|row| 5.0 + 0.1 * row as f64).collect(),
+        let points = rows.clone().map(|row| ThermalPoint {
+            effective_c: 20.0 + 1e-4 * row as f32,
+            rate_c_per_min: 0.06,
+            ..ThermalPoint::default()
+        });
+        Applied {
             status: vec![Status::OK; rows.len()],
-            channels: vec![ChannelAnswers {
-                points: rows
-                    .clone()
-                    .map(|row| ThermalPoint {
-                        effective_c: 20.0 + 1e-4 * row as f32,
-                        rate_c_per_min: 0.06,
-                        ..ThermalPoint::default()
-                    })
-                    .collect(),
-                axes: vec![AxisOutput {
-                    raw: of(1.0),
-                    bias: vec![1.0; rows.len()],
-                    compensated: of(0.0),
-                }],
+            points: vec![points.collect()],
+            axes: vec![AxisOutput {
+                raw: of(1.0),
+                bias: vec![1.0; rows.len()],
+                compensated: of(0.0),
             }],
         }
     }
@@ -281,7 +277,9 @@ mod tests {
         for _ in 0..logs {
             gatherer.begin_log();
             for start in (0..ROWS).step_by(chunk) {
-                gatherer.push(&answers(start..(start + chunk).min(ROWS)));
+                let rows = start..(start + chunk).min(ROWS);
+                let time_s: Vec<f64> = rows.clone().map(|row| 5.0 + 0.1 * row as f64).collect();
+                gatherer.push(&time_s, &applied(rows));
             }
         }
         gatherer.finish()

@@ -1,10 +1,14 @@
-//! A set run over a log by the core, as a unit switched on at its first row: in memory ([`apply()`]),
-//! or row by row as the log is read once more ([`rerun()`]).
+//! A set run over a log by the core, as a unit switched on at its first row: a log in memory
+//! ([`apply()`]), or a file that is read chunk by chunk ([`apply_to_file()`]).
 
-mod apply;
-mod core_run;
-mod stream;
+mod columns;
+mod compensators;
+mod file;
+mod memory;
+mod thermal_path;
 
-pub use apply::{Applied, ApplyError, AxisOutput, ChannelInputs, apply, inputs};
-pub use core_run::{is_usable, points_of, thermal_points, with_every_rate};
-pub use stream::{Answers, ChannelAnswers, Reread, RerunError, is_rereadable, rerun};
+pub use columns::{ApplyError, ChannelInputs};
+pub use compensators::{Applied, AxisOutput};
+pub use file::{KnownLog, RunError, apply_to_file, is_rereadable};
+pub use memory::{apply, inputs};
+pub use thermal_path::{is_usable, thermal_points, with_every_rate};

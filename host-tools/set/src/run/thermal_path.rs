@@ -1,9 +1,9 @@
-//! Regressors of a log, computed by the core that flies.
+//! The thermal path of a channel over a log, by the core that flies.
 
 use tempco::{Interval, Status, TableError, Thermal, ThermalPoint, ThermalSettings, ThermalState};
 use tempco_log::Log;
 
-/// Rows whose temperature was not believed are not fitted.
+/// Rows whose temperature was not accepted are not fitted.
 const UNUSABLE: [Status; 4] = [
     Status::TEMPERATURE_INVALID,
     Status::TEMPERATURE_SPIKE,
@@ -13,11 +13,7 @@ const UNUSABLE: [Status; 4] = [
 
 /// Runs a channel's temperatures through the core, starting as firmware does after power-on.
 pub fn thermal_points(log: &Log, channel: usize, thermal: &Thermal) -> Vec<ThermalPoint> {
-    points_of(log, &log.channels[channel].temp_c, thermal)
-}
-
-/// Runs one temperature of each row through the core.
-pub fn points_of(log: &Log, temps_c: &[f32], thermal: &Thermal) -> Vec<ThermalPoint> {
+    let temps_c = &log.channels[channel].temp_c;
     let mut state = ThermalState::new(thermal);
     state.start(thermal, temps_c[0]);
     log.intervals_s()

@@ -1,0 +1,122 @@
+//! The compensators of a set in the course of a log.
+
+use tempco::{
+    Compensator, Interval, Status, Table, TableError, Thermal, ThermalPoint, ThermalState,
+};
+
+use super::columns::ChannelInputs;
+use super::thermal_path::with_every_rate;
+use crate::{CoefficientSet, TableData, TableUse, use_tables};
+
+/// Consecutive rows of a log after compensation.
+#[derive(Clone, Debug, Default)]
+pub struct Applied {
+    /// For each row, the flags of all channels together.
+    pub status: Vec<Status>,
+    /// For each channel of the set, where the model stands in each row, with the rate before it is
+    /// limited to the calibrated range.
+    pub points: Vec<Vec<ThermalPoint>>,
+    /// The axes of all channels in the order of the set.
+    pub axes: Vec<AxisOutput>,
+}
+
+/// An axis after compensation, all in the unit of the axis.
+#[derive(Clone, Debug, Default)]
+pub struct AxisOutput {
+    /// As measured, in f32 as the firmware sees it.
+    pub raw: Vec<f32>,
+    /// The bias taken out.
+    pub bias: Vec<f32>,
+    /// `raw - bias`.
+    pub compensated: Vec<f32>,
+}
+
+/// Consecutive rows of a log as a set takes them.
+pub(super) struct Rows<'a> {
+    /// Time since the row before \[s\].
+    pub(super) intervals_s: &'a [f32],
+    /// For each channel of the set.
+    pub(super) channels: Vec<ChannelInputs<'a>>,
+}
+
+/// Passes a function to `feed` that runs the next rows of one log through the core.
+pub(super) fn with_compensators<R, F>(set: &CoefficientSet, feed: F) -> Result<R, TableError>
+where
+    F: FnOnce(&mut dyn FnMut(&Rows) -> Applied) -> R,
+{
+    let tables: Vec<&TableData> = set.channels.iter().map(|channel| &channel.table).collect();
+    use_tables(&tables, Run(feed))?
+}
+
+struct Run<F>(F);
+
+impl<R, F: FnOnce(&mut dyn FnMut(&Rows) -> Applied) -> R> TableUse for Run<F> {
+    type Output = Result<R, TableError>;
+
+    fn with<const CHANNELS: usize, const AXES: usize, const PLAYS: usize, const SLOW: usize>(
+        self,
+        tables: &[Table<AXES, PLAYS, SLOW>; CHANNELS],
+    ) -> Self::Output {
+        let units: Result<Vec<_>, _> = tables.iter().map(Unit::new).collect();
+        let mut units = units?;
+        Ok((self.0)(&mut |rows| {
+            let mut applied = Applied {
+                status: vec![Status::OK; rows.intervals_s.len()],
+                ..Applied::default()
+            };
+            for (unit, inputs) in units.iter_mut().zip(&rows.channels) {
+                unit.step(inputs, rows.intervals_s, &mut applied);
+            }
+            applied
+        }))
+    }
+}
+
+/// A channel in the course of a log.
+struct Unit<'t, const AXES: usize, const PLAYS: usize, const SLOW: usize> {
+    core: Compensator<'t, AXES, PLAYS, SLOW>,
+    table: &'t Table<'t, AXES, PLAYS, SLOW>,
+    /// The thermal path without limits of the rate.
+    open: Thermal,
+    state: ThermalState,
+    is_started: bool,
+}
+
+impl<'t, const AXES: usize, const PLAYS: usize, const SLOW: usize> Unit<'t, AXES, PLAYS, SLOW> {
+    fn new(table: &'t Table<'t, AXES, PLAYS, SLOW>) -> Result<Self, TableError> {
+        let open = with_every_rate(*table.thermal().settings())?;
+        Ok(Self {
+            core: Compensator::new(table),
+            table,
+            state: ThermalState::new(&open),
+            open,
+            is_started: false,
+        })
+    }
+
+    /// Runs the next rows through the core and adds the channel to the others.
+    fn step(&mut self, inputs: &ChannelInputs, intervals_s: &[f32], applied: &mut Applied) {
+        let temps_c = inputs.temp_c;
+        if let (false, Some(&first)) = (self.is_started, temps_c.first()) {
+            self.core.start(first);
+            self.state.start(&self.open, first);
+            self.is_started = true;
+        }
+        let mut points = Vec::with_capacity(temps_c.len());
+        let mut axes: [AxisOutput; AXES] = std::array::from_fn(|_| AxisOutput::default());
+        for (row, (&temp_c, &dt_s)) in temps_c.iter().zip(intervals_s).enumerate() {
+            let raw = inputs.row::<AXES>(row);
+            let interval = Interval::new(self.table.thermal(), dt_s);
+            let out = self.core.step(&interval, temp_c, raw);
+            points.push(self.state.update(&self.open, &interval, temp_c));
+            applied.status[row] |= out.status;
+            for (axis, output) in axes.iter_mut().enumerate() {
+                output.raw.push(raw[axis]);
+                output.bias.push(out.bias[axis]);
+                output.compensated.push(out.compensated[axis]);
+            }
+        }
+        applied.points.push(points);
+        applied.axes.extend(axes);
+    }
+}
