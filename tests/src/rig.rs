@@ -233,10 +233,7 @@ pub fn image() -> PathBuf {
 /// # Panics
 /// Never.
 pub fn quick_table(table_crc: u32) -> Vec<u8> {
-    const CELLS: [[Terms; 3]; 2] = [[Terms {
-        a: [0.5, 0.25, 0.125],
-        r: [0.0625, 0.0],
-    }; 3]; 2];
+    const CELLS: [[Terms; 3]; 2] = [[Terms::new([0.5, 0.25, 0.125], [0.0625, 0.0]); 3]; 2];
     let channel = Channel {
         thermal: ThermalSettings {
             hold_s: 2.0,

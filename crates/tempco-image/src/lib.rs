@@ -26,7 +26,7 @@
 //! use tempco_image::{AlignedBytes, Channel, ChannelHistory, Image, Info, Unit, encode};
 //! use tempco::{Terms, ThermalSettings};
 //!
-//! let cells = [Terms { a: [0.1, 0.2, 0.0], r: [0.5, 0.0] }];
+//! let cells = [Terms::new([0.1, 0.2, 0.0], [0.5, 0.0])];
 //! let channel = Channel {
 //!     thermal: ThermalSettings::DEFAULT,
 //!     first_edge_c: -40.0,

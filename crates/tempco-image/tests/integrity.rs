@@ -163,10 +163,7 @@ fn random_corruption_is_found_ten_million_times() {
 /// Both channels of three axes, more than one block: flips in every block and in every CRC.
 #[test]
 fn every_block_of_a_long_image_is_covered() {
-    let cells = [Terms {
-        a: [0.5, 0.0, 0.0],
-        r: [0.25, 0.0],
-    }; 3 * 128];
+    let cells = [Terms::new([0.5, 0.0, 0.0], [0.25, 0.0]); 3 * 128];
     let channel = common::channel(&cells, &[Unit::Dph; 3]);
     let channels = [channel, channel];
     let mut bytes = AlignedBytes([0; 16_384]);

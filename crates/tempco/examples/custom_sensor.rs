@@ -50,10 +50,7 @@ static TABLE: Table<1> = match Table::new(
     THERMAL,
     -40.0,
     85.0,
-    &[[Terms {
-        a: [0.2, 0.5, 0.1],
-        r: [0.04, 0.0],
-    }]],
+    &[[Terms::new([0.2, 0.5, 0.1], [0.04, 0.0])]],
 ) {
     Ok(table) => table,
     Err(error) => panic!("{}", error.message()),

@@ -17,10 +17,10 @@ type Row = (f64, f32, f32);
 fn cells() -> Vec<[Terms; 1]> {
     let cell = |number: u8| {
         let cold_c = -20.0 + 10.0 * f32::from(number);
-        [Terms {
-            a: [0.1 + 0.002 * (cold_c - 20.0), 0.002 * 10.0, 0.0],
-            r: [0.05, 0.0],
-        }]
+        [Terms::new(
+            [0.1 + 0.002 * (cold_c - 20.0), 0.002 * 10.0, 0.0],
+            [0.05, 0.0],
+        )]
     };
     (0..8).map(cell).collect()
 }

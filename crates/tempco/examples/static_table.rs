@@ -21,18 +21,9 @@ const THERMAL: Thermal = match Thermal::new(ThermalSettings {
 
 /// Three cells of 40 degC from -40 degC on: bias [deg/h], and deg/h per degC/min.
 const CELLS: [[Terms; 1]; 3] = [
-    [Terms {
-        a: [0.30, -0.16, 0.04],
-        r: [0.06, 0.02],
-    }],
-    [Terms {
-        a: [0.18, -0.08, 0.04],
-        r: [0.08, 0.00],
-    }],
-    [Terms {
-        a: [0.14, 0.00, 0.10],
-        r: [0.08, 0.03],
-    }],
+    [Terms::new([0.30, -0.16, 0.04], [0.06, 0.02])],
+    [Terms::new([0.18, -0.08, 0.04], [0.08, 0.00])],
+    [Terms::new([0.14, 0.00, 0.10], [0.08, 0.03])],
 ];
 
 /// A table that is not usable (a coefficient lost, a range the wrong way round) does not compile.

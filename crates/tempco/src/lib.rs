@@ -43,8 +43,8 @@
 //! // One axis, two cells over -40..80 degC: the bias rises by 0.01 per degC, and by 0.5 for
 //! // each degC/min. A bad table stops the build, because this is evaluated at compile time.
 //! const CELLS: [[Terms; 1]; 2] = [
-//!     [Terms { a: [-0.4, 0.6, 0.0], r: [0.5, 0.0] }],
-//!     [Terms { a: [0.2, 0.6, 0.0], r: [0.5, 0.0] }],
+//!     [Terms::new([-0.4, 0.6, 0.0], [0.5, 0.0])],
+//!     [Terms::new([0.2, 0.6, 0.0], [0.5, 0.0])],
 //! ];
 //! const THERMAL: Thermal = match Thermal::new(ThermalSettings::DEFAULT) {
 //!     Ok(thermal) => thermal,

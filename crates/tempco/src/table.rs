@@ -34,6 +34,26 @@ pub struct Terms {
 }
 
 impl Terms {
+    /// The coefficients `a` and `r`, lowest power first; those that are not given are 0.
+    pub const fn new<const A: usize, const R: usize>(a: [f32; A], r: [f32; R]) -> Self {
+        const { assert!(A <= Self::STATIC && R <= Self::RATE) }
+        let mut terms = Self {
+            a: [0.0; Self::STATIC],
+            r: [0.0; Self::RATE],
+        };
+        let mut power = 0;
+        while power < A {
+            terms.a[power] = a[power];
+            power += 1;
+        }
+        let mut power = 0;
+        while power < R {
+            terms.r[power] = r[power];
+            power += 1;
+        }
+        terms
+    }
+
     /// The bias at place `z` in the cell and rate `rate_c_per_min`
     /// (the composite model of Weng et al. 2020 in the basis of the cell).
     #[inline(always)]
@@ -312,10 +332,7 @@ mod tests {
     use super::*;
     use crate::ThermalSettings;
 
-    const LINE: Terms = Terms {
-        a: [1.0, 2.0, 0.0],
-        r: [0.5, 0.25],
-    };
+    const LINE: Terms = Terms::new([1.0, 2.0, 0.0], [0.5, 0.25]);
 
     fn thermal() -> Thermal {
         Thermal::new(ThermalSettings::DEFAULT).unwrap()
@@ -323,10 +340,7 @@ mod tests {
 
     #[test]
     fn bias_is_the_polynomial_of_all_terms() {
-        let terms = Terms {
-            a: [1.0, 2.0, 4.0],
-            r: [8.0, 16.0],
-        };
+        let terms = Terms::new([1.0, 2.0, 4.0], [8.0, 16.0]);
         assert_eq!(terms.bias(0.0, 0.0), 1.0);
         assert_eq!(terms.bias(0.5, 0.0), 1.0 + 1.0 + 1.0);
         assert_eq!(terms.bias(0.5, 2.0), 3.0 + 2.0 * (8.0 + 8.0));

@@ -4,10 +4,7 @@ use tempco::{
     Interval, Schedule, Status, Stream, Table, Terms, Thermal, ThermalSettings, TwoRateCompensator,
 };
 
-const CELLS: [[Terms; 2]; 2] = [[Terms {
-    a: [1.0, 2.0, 0.5],
-    r: [0.25, 0.125],
-}; 2]; 2];
+const CELLS: [[Terms; 2]; 2] = [[Terms::new([1.0, 2.0, 0.5], [0.25, 0.125]); 2]; 2];
 
 fn table(tau_s: f32) -> Table<'static, 2> {
     let thermal = Thermal::new(ThermalSettings {

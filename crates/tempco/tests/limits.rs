@@ -8,10 +8,7 @@ use tempco::{
     Interval, MAX_CELLS, Status, Table, TableError, Terms, Thermal, ThermalSettings, ThermalState,
 };
 
-const CELL: [Terms; 1] = [Terms {
-    a: [1.0, 2.0, 3.0],
-    r: [4.0, 5.0],
-}];
+const CELL: [Terms; 1] = [Terms::new([1.0, 2.0, 3.0], [4.0, 5.0])];
 
 /// A range of a sensor whose middle is no round number.
 fn sensor(sensor_min_c: f32, sensor_max_c: f32) -> Thermal {

@@ -6,10 +6,7 @@ use common::*;
 use proptest::prelude::*;
 use tempco::{MAX_CELLS, Status, Table, Terms, ThermalPoint};
 
-const FLAT: [Terms; 1] = [Terms {
-    a: [1.0, 0.0, 0.0],
-    r: [0.0; 2],
-}];
+const FLAT: [Terms; 1] = [Terms::new([1.0, 0.0, 0.0], [0.0; 2])];
 static MANY: [[Terms; 1]; MAX_CELLS] = [FLAT; MAX_CELLS];
 
 fn effective() -> impl Strategy<Value = f32> {
@@ -85,9 +82,11 @@ proptest! {
         let position = (f64::from(temp) - f64::from(T_MIN)) / 10.0;
         let (cell, z) = (position as usize, position.fract());
         for (Terms { a, r }, bias) in CELLS[cell].iter().zip(bias) {
-            let [a0, a1, a2] = a.map(f64::from);
-            let [r0, r1] = r.map(f64::from);
-            let expected = a0 + a1 * z + a2 * z * z + f64::from(rate) * (r0 + r1 * z);
+            let at_z = |values: &[f32]| {
+                let powers = values.iter().rev();
+                powers.fold(0.0, |sum, &value| f64::from(value) + z * sum)
+            };
+            let expected = at_z(a) + f64::from(rate) * at_z(r);
             let error = (f64::from(bias) - expected).abs();
             prop_assert!(error < 2e-5, "{} at {} degC, {}", error, temp, rate);
         }
@@ -111,7 +110,7 @@ fn at_the_edges_of_the_cells_the_bias_is_that_of_both_neighbours() {
             let neighbours = CELLS[edge - 1].iter().zip(&CELLS[edge]);
             for (axis, (left, right)) in neighbours.enumerate() {
                 let expected = right.a[0] + rate * right.r[0];
-                let sum = left.a.iter().sum::<f32>() + rate * (left.r[0] + left.r[1]);
+                let sum = left.a.iter().sum::<f32>() + rate * left.r.iter().sum::<f32>();
                 assert!((sum - expected).abs() < 1e-5, "the table is continuous");
                 for temp in [temp.next_down(), temp, temp.next_up()] {
                     let bias = at(temp, rate)[axis];

@@ -276,10 +276,7 @@ mod tests {
 
     #[test]
     fn temperatures_that_do_not_come_count_as_missing() {
-        const CELLS: [[Terms; 1]; 1] = [[Terms {
-            a: [1.0, 0.0, 0.0],
-            r: [0.0, 0.0],
-        }]];
+        const CELLS: [[Terms; 1]; 1] = [[Terms::new([1.0, 0.0, 0.0], [0.0, 0.0])]];
         let thermal = Thermal::new(ThermalSettings::DEFAULT).unwrap();
         let table = Table::new(thermal, -40.0, 80.0, &CELLS).unwrap();
         let none = tempco::Play {

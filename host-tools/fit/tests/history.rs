@@ -54,10 +54,7 @@ fn run(unit: Unit, programme: Programme, seed: u64, walk_step: f64) -> Log {
         kappa: 0.8,
         ..ThermalSettings::DEFAULT
     });
-    let cells = [[Terms {
-        a: [0.3, 0.5, -0.2],
-        r: [0.03, 0.01],
-    }]];
+    let cells = [[Terms::new([0.3, 0.5, -0.2], [0.03, 0.01])]];
     let table = Table::new(thermal.unwrap(), -15.0, 80.0, &cells).unwrap();
     let (half_width_c, play_gain) = unit.play.unwrap_or((1.0, 0.0));
     let (tau_s, slow_gain) = unit.slow_part.unwrap_or((2000.0, 0.0));

@@ -156,7 +156,7 @@ fn checked<T: Copy + Debug>(value: &T, ir: &str, constant: &str) -> Result<Vec<F
 /// The numbers of the table, which are all different, by their bits.
 fn table(ir: &str) -> Result<Vec<Field>> {
     let thermal = Thermal::new(ThermalSettings::DEFAULT)?;
-    let cells = [[Terms::from_array([0.0; Terms::COUNT])]; 3];
+    let cells = [[Terms::new([], [])]; 3];
     let table = Table::new(thermal, 3.0, 11.0, &cells)?.calibrated(4.25, 9.75)?;
     let bytes = bytes_of_constant(ir, "PROVE_TABLE")?;
     let shown = leaves(&format!("{table:#?}"));

@@ -13,14 +13,8 @@ pub(crate) const CHANNEL_LEN: usize = 72;
 
 /// Two cells of one axis that meet at 20 degC.
 pub(crate) const CELLS: [Terms; 2] = [
-    Terms {
-        a: [-0.5, 0.75, 0.0],
-        r: [0.5, 0.0],
-    },
-    Terms {
-        a: [0.25, 0.5, 0.125],
-        r: [0.5, 0.25],
-    },
+    Terms::new([-0.5, 0.75, 0.0], [0.5, 0.0]),
+    Terms::new([0.25, 0.5, 0.125], [0.5, 0.25]),
 ];
 
 pub(crate) const PLAYS: [Play<1>; 2] = [

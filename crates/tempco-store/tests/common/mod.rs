@@ -15,13 +15,7 @@ pub(crate) const SERIAL: &str = "SN7";
 
 /// An image of a number of cells, told apart by `version`, and its length.
 pub(crate) fn image_of(serial: &str, cells: usize, version: u32) -> Vec<u8> {
-    let cells = vec![
-        Terms {
-            a: [version as f32, 0.0, 0.0],
-            r: [0.5, 0.0],
-        };
-        cells
-    ];
+    let cells = vec![Terms::new([version as f32, 0.0, 0.0], [0.5, 0.0]); cells];
     let channel = Channel {
         thermal: ThermalSettings::DEFAULT,
         first_edge_c: -40.0,

@@ -36,20 +36,20 @@ pub(crate) const fn table(thermal: Thermal) -> Table<'static, 2> {
 }
 
 const fn cells() -> [[Terms; 2]; COUNT] {
-    let none = Terms::from_array([0.0; Terms::COUNT]);
+    let none = Terms::new([], []);
     let mut cells = [[none; 2]; COUNT];
     let mut k = 0;
     while k < COUNT {
         let (cold, hot) = (EDGES[k], EDGES[k + 1]);
         let curve = 0.02 + 0.01 * k as f32;
-        cells[k][0] = Terms {
-            a: [cold, hot - cold - curve, curve],
-            r: [0.1 * cold, 0.1 * (hot - cold)],
-        };
-        cells[k][1] = Terms {
-            a: [-3.0 * cold, 3.0 * (cold - hot) + curve, -curve],
-            r: [0.2 - cold, cold - hot],
-        };
+        cells[k][0] = Terms::new(
+            [cold, hot - cold - curve, curve],
+            [0.1 * cold, 0.1 * (hot - cold)],
+        );
+        cells[k][1] = Terms::new(
+            [-3.0 * cold, 3.0 * (cold - hot) + curve, -curve],
+            [0.2 - cold, cold - hot],
+        );
         k += 1;
     }
     cells

@@ -95,10 +95,7 @@ fn accept(image: &Image) -> Result<(), ImageError> {
 
 #[inline(never)]
 fn write(image: &mut Buffer) -> Result<usize, ImageError> {
-    let cell = Terms {
-        a: [0.1, 0.0, 0.0],
-        r: [0.5, 0.0],
-    };
+    let cell = const { Terms::new([0.1], [0.5]) };
     let play = Play {
         half_width_c: 1.0,
         gain: [0.1; AXES],

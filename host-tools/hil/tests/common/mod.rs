@@ -367,10 +367,10 @@ pub(crate) fn image_of(serial: &str, table_crc: u32, scale: f32) -> Vec<u8> {
 
 /// As [`image_of`], in another unit.
 pub(crate) fn image_in(unit: Unit, serial: &str, table_crc: u32, scale: f32) -> Vec<u8> {
-    let terms = Terms {
-        a: [scale, 0.3 * scale, -0.1 * scale],
-        r: [0.2 * scale, 0.05 * scale],
-    };
+    let terms = Terms::new(
+        [scale, 0.3 * scale, -0.1 * scale],
+        [0.2 * scale, 0.05 * scale],
+    );
     let cells = [terms; 3 * 40];
     let channel = Channel {
         thermal: ThermalSettings::DEFAULT,

@@ -83,7 +83,7 @@ const THERMAL: Thermal = match Thermal::new(ThermalSettings::DEFAULT) {
 };
 
 /// Cells for the tables of constants.
-pub static PROVE_CELLS: [[Terms; 1]; 3] = [[Terms::from_array([0.0; Terms::COUNT])]; 3];
+pub static PROVE_CELLS: [[Terms; 1]; 3] = [[Terms::new([], [])]; 3];
 
 /// A table with the edges 3 and 11 degC, calibrated from 4.25 to 9.75 degC.
 #[unsafe(no_mangle)]
