@@ -11,7 +11,7 @@ use tempco_set::CoefficientSet;
 use tempco_set::escape::csv_cell;
 use tempco_set::run::{Applied, apply, inputs};
 
-use crate::Verdict;
+use crate::Exit;
 use crate::judgement::say_rejections;
 use crate::output::{print, write_file};
 use crate::shared_args::SetAndLog;
@@ -31,18 +31,18 @@ pub(crate) struct Args {
     put: SetAndLog,
 }
 
-pub(crate) fn run(args: &Args) -> Result<Verdict> {
+pub(crate) fn run(args: &Args) -> Result<Exit> {
     let (set, log) = args.put.read()?;
     say_rejections(args.put.set.display(), &judge(&set, None));
     let applied = apply(&set, &log)?;
     write_file(&args.out, &to_csv(&set, &log, &applied)?)?;
-    let remarked = applied.status.iter().filter(|s| **s != Status::OK).count();
+    let flagged = applied.status.iter().filter(|s| **s != Status::OK).count();
     print(format_args!(
-        "{} rows, {remarked} of them with remarks in their status; wrote {}",
+        "{} rows, {flagged} of them with flags in their status; wrote {}",
         log.rows(),
         args.out.display()
     ))?;
-    Ok(Verdict::Acceptable)
+    Ok(Exit::Acceptable)
 }
 
 fn to_csv(set: &CoefficientSet, log: &Log, applied: &Applied) -> Result<Vec<u8>> {

@@ -14,7 +14,7 @@ use tempco_set::WarningCode;
 use tempco_set::files::write_files;
 use tempco_set::run::is_rereadable;
 
-use crate::Verdict;
+use crate::Exit;
 use crate::judgement::say_rejections;
 use crate::output::{figure, percent, print, print_lines, say, table};
 use crate::progress::Progress;
@@ -27,7 +27,7 @@ pub(crate) fn run(
     reading: &ReadOptions,
     options: &FitOptions,
     with_report: bool,
-) -> Result<Verdict> {
+) -> Result<Exit> {
     // Options that no unit can be fitted with.
     let plan = options.plan()?;
     let units = find_units(folder, out)?;
@@ -53,7 +53,7 @@ pub(crate) fn run(
         out.join(csv_name).display(),
         out.join(html_name).display()
     ))?;
-    Ok(Verdict::of(summary.is_acceptable()))
+    Ok(Exit::of(summary.is_acceptable()))
 }
 
 /// A fault of this program in the work on one unit must not cost the others theirs.

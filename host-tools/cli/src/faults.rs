@@ -3,7 +3,7 @@
 use anyhow::Result;
 use tempco_link::{Fault, FaultEntry};
 
-use crate::Verdict;
+use crate::Exit;
 use crate::output::{print, print_lines, table};
 use crate::port_args::PortArgs;
 
@@ -14,7 +14,7 @@ pub(crate) struct Args {
     port: PortArgs,
 }
 
-pub(crate) fn run(args: &Args) -> Result<Verdict> {
+pub(crate) fn run(args: &Args) -> Result<Exit> {
     let mut unit = args.port.connect()?;
     let faults = unit.faults()?;
     if faults.is_empty() {
@@ -28,7 +28,7 @@ pub(crate) fn run(args: &Args) -> Result<Verdict> {
             losses.missed_samples, losses.moments, losses.replies
         ))?;
     }
-    Ok(Verdict::Acceptable)
+    Ok(Exit::Acceptable)
 }
 
 fn show(faults: &[FaultEntry]) -> Result<()> {

@@ -8,7 +8,7 @@ use tempco::ThermalSettings;
 use tempco_fit::{FitOptions, fit_summaries};
 use tempco_set::{CoefficientSet, Stretch, file_names};
 
-use crate::Verdict;
+use crate::Exit;
 use crate::batch;
 use crate::judgement::{say_rejections, show};
 use crate::method_args::MethodArgs;
@@ -80,7 +80,7 @@ fn stretch(text: &str) -> Result<Stretch, String> {
     ends.ok_or_else(|| "expected T1:T2 in s, T1 before T2".to_owned())
 }
 
-pub(crate) fn run(args: &Args) -> Result<Verdict> {
+pub(crate) fn run(args: &Args) -> Result<Exit> {
     let options = options(args)?;
     let reading = args.reading.options(None);
     if let Some(folder) = &args.batch {
@@ -120,7 +120,7 @@ pub(crate) fn run(args: &Args) -> Result<Verdict> {
         show(&judgement)?;
     }
     say_rejections(args.out.display(), &judgement);
-    Ok(Verdict::of(judgement.is_accepted()))
+    Ok(Exit::of(judgement.is_accepted()))
 }
 
 fn options(args: &Args) -> Result<FitOptions> {

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use anyhow::{Context, Result, ensure};
 use tempco_hil::flash_set;
 
-use crate::Verdict;
+use crate::Exit;
 use crate::image;
 use crate::output::print;
 use crate::port_args::{PortArgs, bank_name};
@@ -30,7 +30,7 @@ pub(crate) struct Args {
     port: PortArgs,
 }
 
-pub(crate) fn run(args: &Args) -> Result<Verdict> {
+pub(crate) fn run(args: &Args) -> Result<Exit> {
     let (image, of_set) = image::of_set(&args.set)?;
     if let (Some(given), Some(of_set)) = (args.scale_factor, of_set) {
         ensure!(
@@ -55,5 +55,5 @@ pub(crate) fn run(args: &Args) -> Result<Verdict> {
         now.table_crc,
         now.bank.map(bank_name).unwrap_or_default()
     ))?;
-    Ok(Verdict::Acceptable)
+    Ok(Exit::Acceptable)
 }

@@ -7,7 +7,7 @@ use anyhow::{Context, Error, Result, ensure};
 use tempco_image::{AlignedBytes, Channel, Image, ImageError, Unit};
 use tempco_set::{check_folder, load_set, read_set, table_bin};
 
-use crate::Verdict;
+use crate::Exit;
 use crate::output::{print, say};
 
 /// No image is longer.
@@ -88,13 +88,13 @@ pub(crate) fn is_folder_whole(path: &Path) -> bool {
     checked.is_ok()
 }
 
-pub(crate) fn inspect(path: &Path, against: Option<&Path>) -> Result<Verdict> {
+pub(crate) fn inspect(path: &Path, against: Option<&Path>) -> Result<Exit> {
     let name = path.display();
     let placed = Placed::read(path)?;
     show(&placed.image()?)?;
     let is_whole = is_folder_whole(path);
     let Some(set) = against else {
-        return Ok(Verdict::of(is_whole));
+        return Ok(Exit::of(is_whole));
     };
     let same = table_bin(&read_set(set)?).map_err(Error::msg)? == placed.bytes();
     if same {
@@ -102,7 +102,7 @@ pub(crate) fn inspect(path: &Path, against: Option<&Path>) -> Result<Verdict> {
     } else {
         say!("{name} is not the image of {}", set.display());
     }
-    Ok(Verdict::of(same && is_whole))
+    Ok(Exit::of(same && is_whole))
 }
 
 fn show(image: &Image) -> Result<()> {

@@ -10,7 +10,7 @@ use tempco_set::{
     ChannelSet, CoefficientSet, Judgement, LOCAL_TERMS, RejectionCode, TERMS, read_set,
 };
 
-use crate::Verdict;
+use crate::Exit;
 use crate::image;
 use crate::judgement::{self, say_rejections};
 use crate::output::{figure, print, print_json, print_lines, table};
@@ -35,7 +35,7 @@ pub(crate) struct Args {
     json: bool,
 }
 
-pub(crate) fn run(args: &Args) -> Result<Verdict> {
+pub(crate) fn run(args: &Args) -> Result<Exit> {
     if image::is_image(&args.set) {
         ensure!(!args.json, "--json: expected with a coefficient set only");
         return image::inspect(&args.set, args.against.as_deref());
@@ -54,7 +54,7 @@ pub(crate) fn run(args: &Args) -> Result<Verdict> {
     }
     say_rejections(args.set.display(), &judgement);
     let is_whole = image::is_folder_whole(&args.set);
-    Ok(Verdict::of(judgement.is_accepted() && is_whole))
+    Ok(Exit::of(judgement.is_accepted() && is_whole))
 }
 
 /// The set with what follows from it.

@@ -57,12 +57,12 @@ enum Command {
 
 /// Whether what was done is acceptable; the exit code tells.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Verdict {
+enum Exit {
     Acceptable,
     NotAcceptable,
 }
 
-impl Verdict {
+impl Exit {
     const fn of(acceptable: bool) -> Self {
         if acceptable {
             Self::Acceptable
@@ -91,8 +91,8 @@ fn main() -> ExitCode {
         Command::Faults(args) => faults::run(&args),
     };
     match result {
-        Ok(Verdict::Acceptable) => ExitCode::SUCCESS,
-        Ok(Verdict::NotAcceptable) => ExitCode::from(1),
+        Ok(Exit::Acceptable) => ExitCode::SUCCESS,
+        Ok(Exit::NotAcceptable) => ExitCode::from(1),
         Err(error) if output::is_broken_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("{}", escape::lines(&format!("error: {error:#}")));

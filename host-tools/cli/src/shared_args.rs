@@ -115,7 +115,7 @@ impl LogArgs {
         let options = self.options(set_scale_factor);
         let log = read_log_observed(path, &options, |bytes| progress.add(bytes))?;
         drop(progress);
-        remark(&log.file, &log.ignored_columns, log.skipped_rows);
+        say_unused(&log.file, &log.ignored_columns, log.skipped_rows);
         Ok(log)
     }
 
@@ -129,7 +129,7 @@ impl LogArgs {
         drop(progress);
         let logs = logs.into_iter().collect::<Result<Vec<_>, _>>()?;
         for log in &logs {
-            remark(log.file(), log.ignored_columns(), log.skipped_rows());
+            say_unused(log.file(), log.ignored_columns(), log.skipped_rows());
         }
         Ok(logs)
     }
@@ -149,7 +149,7 @@ impl LogArgs {
 }
 
 /// Says what of a log was not used.
-fn remark(file: &str, ignored_columns: &[String], skipped_rows: usize) {
+fn say_unused(file: &str, ignored_columns: &[String], skipped_rows: usize) {
     if !ignored_columns.is_empty() {
         say!("{file}: columns not used: {}", list_names(ignored_columns));
     }

@@ -9,7 +9,7 @@ use tempco_twin::{
     DEFAULT_RATE_HZ, PROFILES, Profile, Simulation, UNITS, Unit, write_log, write_log_and_truth,
 };
 
-use crate::Verdict;
+use crate::Exit;
 use crate::output::{print, print_lines};
 
 /// Simulate a unit in a thermal chamber
@@ -41,13 +41,13 @@ pub(crate) struct Args {
     show: Option<String>,
 }
 
-pub(crate) fn run(args: &Args) -> Result<Verdict> {
+pub(crate) fn run(args: &Args) -> Result<Exit> {
     match (&args.unit, &args.profile, &args.out, &args.show) {
         (_, _, _, Some(name)) => print_lines(source(name)?.trim_end())?,
         (Some(unit), Some(profile), Some(out), None) => simulate(args, unit, profile, out)?,
         _ => list()?,
     }
-    Ok(Verdict::Acceptable)
+    Ok(Exit::Acceptable)
 }
 
 fn list() -> Result<()> {

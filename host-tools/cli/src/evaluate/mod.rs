@@ -11,7 +11,7 @@ use tempco_report::{Report, Subject};
 use tempco_set::run::KnownLog;
 use tempco_set::{CoefficientSet, Judgement};
 
-use crate::Verdict;
+use crate::Exit;
 use crate::image::is_image;
 use crate::judgement::{self, say_rejections};
 use crate::output::{print_json, say, write_file};
@@ -55,7 +55,7 @@ pub(crate) struct Args {
     put: SetAndLog,
 }
 
-pub(crate) fn run(args: &Args) -> Result<Verdict> {
+pub(crate) fn run(args: &Args) -> Result<Exit> {
     if args.report.is_some() || args.figures.is_some() {
         ensure!(
             !is_image(&args.put.set),
@@ -103,7 +103,7 @@ pub(crate) fn run(args: &Args) -> Result<Verdict> {
         let verdict = if rejects { "rejected" } else { "accepted" };
         say!("{shown}: marked as {verdict}");
     }
-    Ok(Verdict::of(judgement.is_accepted()))
+    Ok(Exit::of(judgement.is_accepted()))
 }
 
 /// What is printed as JSON.

@@ -10,7 +10,7 @@ use serde::Serialize;
 use tempco_hil::Unit;
 use tempco_link::Telemetry;
 
-use crate::Verdict;
+use crate::Exit;
 use crate::output::{print_json, say};
 use crate::port_args::PortArgs;
 use crate::status::status_names;
@@ -38,7 +38,7 @@ pub(crate) struct Args {
     json: bool,
 }
 
-pub(crate) fn run(args: &Args) -> Result<Verdict> {
+pub(crate) fn run(args: &Args) -> Result<Exit> {
     ensure!(
         args.period > 0,
         "--period 0: expected milliseconds, above 0"
@@ -57,7 +57,7 @@ pub(crate) fn run(args: &Args) -> Result<Verdict> {
             Some(telemetry) => telemetry,
             None => wait(&mut unit, args.period)?,
         };
-        remark(last, telemetry.index);
+        say_lost(last, telemetry.index);
         last = Some(telemetry.index);
         if args.json {
             print_json(&Message::new(&telemetry))?;
@@ -67,7 +67,7 @@ pub(crate) fn run(args: &Args) -> Result<Verdict> {
         left = left.map(|left| left - 1);
     }
     unit.telemetry(0)?;
-    Ok(Verdict::Acceptable)
+    Ok(Exit::Acceptable)
 }
 
 /// The next message; after a silence the unit is asked again.
@@ -80,7 +80,7 @@ fn wait(unit: &mut Unit, period_ms: u32) -> Result<Telemetry> {
 }
 
 /// Says what was missed between two messages.
-fn remark(last: Option<u32>, index: u32) {
+fn say_lost(last: Option<u32>, index: u32) {
     match last.map(|last| index.wrapping_sub(last)) {
         Some(missed @ 2..=0x7fff_ffff) => say!("{} messages were lost", missed - 1),
         Some(0x8000_0000..) => say!("the unit was reset"),

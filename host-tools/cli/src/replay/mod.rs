@@ -14,7 +14,7 @@ use tempco_set::files::ScratchFolder;
 use tempco_set::run::{ChannelInputs, inputs};
 use tempco_set::{CoefficientSet, table_bin, table_rs};
 
-use crate::Verdict;
+use crate::Exit;
 use crate::image::Placed;
 use crate::output::{print, say};
 use crate::port_args::BAUD;
@@ -67,7 +67,7 @@ impl FromStr for Target {
     }
 }
 
-pub(crate) fn run(args: &Args) -> Result<Verdict> {
+pub(crate) fn run(args: &Args) -> Result<Exit> {
     let (set, log) = args.put.read()?;
     let inputs = inputs(&set, &log)?;
     let image = Placed::of(&table_bin(&set).map_err(Error::msg)?);
@@ -108,7 +108,7 @@ pub(crate) fn run(args: &Args) -> Result<Verdict> {
             log.time_s[row]
         );
     }
-    Ok(Verdict::of(differences.count == 0))
+    Ok(Exit::of(differences.count == 0))
 }
 
 /// What is replayed.

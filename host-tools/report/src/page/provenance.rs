@@ -57,7 +57,7 @@ fn inputs(set: &CoefficientSet) -> Markup {
         "file",
         "rows",
         "skipped",
-        "not believed",
+        "not accepted",
         "interval",
         "duration",
         "SHA-256",

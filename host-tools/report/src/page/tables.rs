@@ -305,7 +305,7 @@ fn history(set: &CoefficientSet) -> Markup {
             (part.limit_c > 0.0, [cell("slow part"), dash(), tau, limit])
         });
         let terms = plays.chain(slow_parts).zip(&axis.gains);
-        // Of a channel that earned fewer terms than another, some only make up the number.
+        // Of a channel that has fewer terms than another, some only make up the number.
         for ((_, term), gain) in terms.filter(|((is_used, _), _)| *is_used) {
             let mut row = vec![axis_cell(&axis.name, axis.unit)];
             row.extend(term);

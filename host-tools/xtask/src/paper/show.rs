@@ -10,7 +10,7 @@ const AXES: [&str; 3] = ["X", "Y", "Z"];
 /// Column of `auto` in table 3, which is not printed.
 const AUTO: usize = 3;
 
-/// Improvements that differ by more are remarked on.
+/// Improvements that differ by more are pointed out.
 const REMARKABLE: f64 = 0.15;
 
 pub(super) fn tables(outcomes: &[Outcome]) {
