@@ -55,16 +55,6 @@ impl Decimated {
     }
 }
 
-/// The median, of an even number of values the greater of the two in the middle; 0 of nothing.
-/// The order of `values` is lost.
-pub fn median(values: &mut [f64]) -> f64 {
-    if values.is_empty() {
-        return 0.0;
-    }
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,6 +1,7 @@
 //! The usual time between rows.
 
-use crate::decimate::{Decimated, median};
+use crate::decimate::Decimated;
+use crate::median::median;
 
 /// Intervals that are kept: of a longer log, an evenly spaced part.
 const MOST: usize = 1 << 16;

@@ -12,7 +12,7 @@
 //! | `columns`, `layout`, [`AxisUnit`] | which column is what, in which unit |
 //! | `order`, `interval`, `stream`, `chunk` | rows in the order of time, in chunks |
 //! | `log`, `read` | a whole [`Log`] |
-//! | [`decimate`], [`parallel`] | an evenly spaced sample of a series; work on all cores |
+//! | [`decimate`], [`median`], [`parallel`] | an evenly spaced sample of a series; medians; work on all cores |
 #![forbid(unsafe_code)]
 
 mod blocks;
@@ -25,6 +25,7 @@ mod excerpt;
 mod interval;
 mod layout;
 mod log;
+pub mod median;
 mod order;
 mod pages;
 pub mod parallel;

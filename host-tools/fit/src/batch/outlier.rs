@@ -1,5 +1,7 @@
 //! How far a unit is from the others, undisturbed by those that are far.
 
+use tempco_log::median::mean_median;
+
 use crate::outliers::SIGMA_PER_MAD;
 
 /// Units whose |z| is above this are outliers (Iglewicz and Hoaglin, 1993).
@@ -19,10 +21,10 @@ pub fn robust_z(values: &[f64]) -> Option<Vec<f64>> {
     if values.len() < LEAST_UNITS {
         return None;
     }
-    let centre = median(values.to_vec());
-    let deviations: Vec<f64> = values.iter().map(|value| (value - centre).abs()).collect();
+    let centre = mean_median(&mut values.to_vec());
+    let mut deviations: Vec<f64> = values.iter().map(|value| (value - centre).abs()).collect();
     let mean_deviation = deviations.iter().sum::<f64>() / deviations.len() as f64;
-    let sigma = match median(deviations) {
+    let sigma = match mean_median(&mut deviations) {
         0.0 => SIGMA_PER_MEAN_DEVIATION * mean_deviation,
         mad => SIGMA_PER_MAD * mad,
     };
@@ -31,15 +33,6 @@ pub fn robust_z(values: &[f64]) -> Option<Vec<f64>> {
         sigma => (value - centre) / sigma,
     };
     Some(values.iter().map(z).collect())
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    let middle = values.len() / 2;
-    match values.len() % 2 {
-        0 => 0.5 * (values[middle - 1] + values[middle]),
-        _ => values[middle],
-    }
 }
 
 #[cfg(test)]

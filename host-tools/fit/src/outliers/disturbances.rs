@@ -1,7 +1,7 @@
 //! Blocks that are far from what temperature and its rate explain.
 
 use tempco::{TableError, ThermalSettings};
-use tempco_log::decimate::median;
+use tempco_log::median::median;
 use tempco_set::BiasStep;
 
 use crate::least_squares::{Basis, Blocks, Gram, RateForm, SparseRow, dot};

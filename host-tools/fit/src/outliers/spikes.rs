@@ -2,7 +2,8 @@
 
 use std::collections::VecDeque;
 
-use tempco_log::decimate::{Decimated, median};
+use tempco_log::decimate::Decimated;
+use tempco_log::median::median;
 
 use crate::outliers::{SIGMA_PER_MAD, SIGMA_PER_STEP};
 use crate::summary::Rows;

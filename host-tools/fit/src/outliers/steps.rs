@@ -1,6 +1,6 @@
 //! Sudden and lasting changes of the bias.
 
-use tempco_log::decimate::median;
+use tempco_log::median::median;
 
 use crate::outliers::SIGMA_PER_MAD;
 

@@ -1,5 +1,7 @@
 //! What is left out together: whole soaks and ramps.
 
+use tempco_log::median::median;
+
 use crate::least_squares::Blocks;
 
 /// Rates below this are a soak, whatever the sensor's noise makes of them \[degC/min\].
@@ -94,10 +96,7 @@ fn ramp_speeds(numbers: &[usize], rates: &[f64]) -> Vec<f64> {
     for (&number, rate) in numbers.iter().zip(rates) {
         of_number[number].push(rate.abs());
     }
-    let medians = of_number.into_iter().map(|mut speeds: Vec<f64>| {
-        let middle = speeds.len() / 2;
-        *speeds.select_nth_unstable_by(middle, f64::total_cmp).1
-    });
+    let medians = of_number.iter_mut().map(|speeds: &mut Vec<f64>| median(speeds));
     medians.filter(|&median| median >= SOAK_C_PER_MIN).collect()
 }
 
