@@ -18,7 +18,7 @@ pub struct Fitted {
     pub segments: Vec<SegmentSet>,
     /// The axes, with the polynomials of all segments.
     pub axes: Vec<AxisSet>,
-    /// Earned states, each with its largest value in the fit \[degC\]; their gains are with the
+    /// History terms, each with its largest value in the fit \[degC\]; their gains are with the
     /// axes.
     pub history: Vec<(Term, f32)>,
     /// What was left out of the fit, and what was found in the logs.
@@ -72,7 +72,7 @@ pub fn channel(
     }
 }
 
-/// The earned states as the core has them.
+/// The history terms as the core has them.
 fn history(fitted: &Fitted) -> (Vec<PlayData>, Vec<SlowPartData>) {
     let (mut plays, mut slow_parts) = (Vec::new(), Vec::new());
     for (position, &(term, most_c)) in fitted.history.iter().enumerate() {
@@ -115,7 +115,7 @@ pub fn set(
     set
 }
 
-/// Gives all channels as many plays and slow parts as the one with the most, by terms without
+/// Gives all channels as many plays and second lags as the one with the most, by terms without
 /// gain: firmware has one type of table for all channels.
 fn level_history(channels: &mut [ChannelSet]) {
     let most = |count: fn(&ChannelSet) -> usize| channels.iter().map(count).max().unwrap_or(0);

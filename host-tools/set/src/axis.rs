@@ -20,7 +20,7 @@ pub struct AxisSet {
     /// Standard deviations of the coefficients of each polynomial; empty in an imported set.
     #[serde(default)]
     pub sigmas: Vec<CoefficientSigmas>,
-    /// Gains of the earned states, plays before slow parts, as in the table.
+    /// Gains of the history terms, plays before second lags, as in the table.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub gains: Vec<GainSet>,
     /// What remains after a spline model, as noise; none of other models, whose residuals are not
@@ -34,14 +34,14 @@ pub struct AxisSet {
     pub statistics: Option<AxisStatistics>,
 }
 
-/// The gain of an earned state.
+/// The gain of a history term.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GainSet {
     /// \[unit of the axis per degC\]
     pub gain: f64,
     /// Standard deviation (1 sigma) under the [`noise`](AxisSet::noise) of the axis, for the half
-    /// width or time constant that was found; 0 where the axis does without the state.
+    /// width or time constant that was found; 0 where the axis does without the term.
     pub sigma: f64,
 }
 

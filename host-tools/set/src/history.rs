@@ -1,9 +1,9 @@
-//! Earned states of a table as data.
+//! History terms of a table as data.
 
 use serde::{Deserialize, Serialize};
 use tempco::{Play, SlowPart};
 
-/// The most plays and slow parts of a table.
+/// The most plays and second lags of a table.
 pub(super) const MOST: (usize, usize) = (2, 1);
 
 /// A term of the history, all but its gains.

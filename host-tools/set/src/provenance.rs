@@ -49,7 +49,7 @@ pub struct Input {
     pub rows: usize,
     /// Rows left out for bad cells, on request.
     pub skipped_rows: usize,
-    /// Rows that were not fitted because the core did not believe their temperature or interval.
+    /// Rows that were not fitted because the core did not accept their temperature or interval.
     pub unusable_rows: usize,
     /// Median time between rows \[s\].
     pub interval_s: f64,

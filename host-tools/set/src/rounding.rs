@@ -21,9 +21,9 @@ pub struct RoundingBound {
     pub evaluation: f64,
     /// Error of the place within the cell \[cells\].
     pub place: f64,
-    /// Error of the bias for the effective temperature and the values of the earned states: the
+    /// Error of the bias for the effective temperature and the values of the history terms: the
     /// polynomial's, that of the place times the steepest slope, and a product and a sum for each
-    /// state \[unit of the axis\].
+    /// term \[unit of the axis\].
     pub total: f64,
     /// How far from an edge between cells the neighbour may be evaluated instead \[degC\].
     pub edge_c: f64,
@@ -63,7 +63,7 @@ impl TableData {
         bound
     }
 
-    /// For each earned state, the largest products of gain and value: a play is within its slot, a
+    /// For each history term, the largest products of gain and value: a play is within its slot, a
     /// lag within its limit.
     fn history_most(&self, axis: usize) -> impl Iterator<Item = f64> {
         let product =

@@ -48,7 +48,7 @@ pub struct Candidate {
     /// Half widths of its plays \[degC\].
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub half_widths_c: Vec<f64>,
-    /// Time constant of its slow part \[s\].
+    /// Time constant of its second lag \[s\].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub slow_tau_s: Option<f64>,
     /// Held-out root mean square error of each axis \[unit of the axis\].

@@ -121,7 +121,7 @@ pub struct Coverage {
 
 impl CoefficientSet {
     /// The same set without its use of the rate and the history of temperature: no rate terms, no
-    /// earned states, `kappa` at 0. None where it makes no use of them.
+    /// history terms, `kappa` at 0. None where it makes no use of them.
     pub fn static_part(&self) -> Option<Self> {
         let mut part = self.clone();
         for channel in &mut part.channels {

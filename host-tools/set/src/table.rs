@@ -134,8 +134,8 @@ impl TableData {
 }
 
 /// CRC-32P4 over the numbers of the tables: for each, the thermal settings, the four temperatures, the
-/// numbers of cells and axes as u32, then the cells; where there are any plays or slow parts, their
-/// numbers as u32, then the numbers of each play and each slow part. All little-endian.
+/// numbers of cells and axes as u32, then the cells; where there are any plays or second lags, their
+/// numbers as u32, then the numbers of each play and each second lag. All little-endian.
 pub(crate) fn crc32<'a>(tables: impl Iterator<Item = &'a TableData>) -> u32 {
     let mut digest = CRC.digest();
     for table in tables {

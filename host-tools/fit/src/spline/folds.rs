@@ -96,7 +96,9 @@ fn ramp_speeds(numbers: &[usize], rates: &[f64]) -> Vec<f64> {
     for (&number, rate) in numbers.iter().zip(rates) {
         of_number[number].push(rate.abs());
     }
-    let medians = of_number.iter_mut().map(|speeds: &mut Vec<f64>| median(speeds));
+    let medians = of_number
+        .iter_mut()
+        .map(|speeds: &mut Vec<f64>| median(speeds));
     medians.filter(|&median| median >= SOAK_C_PER_MIN).collect()
 }
 
