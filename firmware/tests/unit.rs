@@ -16,7 +16,7 @@ use tempco_replay::{Replay, Sample as ReplayedSample};
 use tempco_sensors::SensorFault;
 use tempco_store::Offsets;
 
-/// Time after which a unit has nothing more to remark \[s\].
+/// Time after which a unit has no more flags \[s\].
 const SETTLED_S: f32 = 200.0;
 
 fn only(fault: Fault) -> FaultSet {

@@ -48,10 +48,10 @@ pub fn record(orientation: &str) -> Option<[Deviations; 3]> {
 /// Deviations of the X, Y and Z gyro of the simulated unit over two hours at rest.
 ///
 /// # Panics
-/// If the unit or the programme are gone.
+/// If the unit or the profile are gone.
 pub fn twin(seed: u64) -> [Deviations; 3] {
     let unit = Unit::named("ln100").expect("the unit");
-    let profile = Profile::named("rest").expect("the programme");
+    let profile = Profile::named("rest").expect("the profile");
     let Output::Pulses {
         scale_factor_arcsec,
     } = unit.output

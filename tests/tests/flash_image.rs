@@ -93,7 +93,7 @@ fn inspect_shows_an_image_and_compares_it() {
     for part in [
         "play: half width 2.5 degC, gain per degC 0.25 pulses/s, -0.5 pulses/s, 0.125 pulses/s",
         "play: half width 8 degC",
-        "slow part: tau 900 s, lag up to 4.25 degC, gain per degC -0.75 pulses/s",
+        "second thermal lag: tau 900 s, lag up to 4.25 degC, gain per degC -0.75 pulses/s",
         "the image is that of with",
     ] {
         assert!(shown.contains(part), "{part}: {shown}");

@@ -12,10 +12,10 @@ const HEAD: &str = "\
 | profile | hours | composite x | y | z | spline x | y | z |
 | --- | --- | --- | --- | --- | --- | --- | --- |
 ";
-const PROGRAMMES: [&str; 5] = ["up_only", "static", "one_rate", "cycles", "calibration"];
+const RUNS: [&str; 5] = ["up_only", "static", "one_rate", "cycles", "calibration"];
 
-/// Writes the programmes that the guide shows.
-fn write_programmes(guide: &str, bench: &Bench) {
+/// Writes the profiles that the guide shows.
+fn write_profiles(guide: &str, bench: &Bench) {
     for block in guide.split("```toml\n# ").skip(1) {
         let (name, rest) = block.split_once('\n').unwrap();
         bench.write(name, rest.split("```").next().unwrap());
@@ -23,20 +23,20 @@ fn write_programmes(guide: &str, bench: &Bench) {
 }
 
 /// A row of the table: improvement of the 100 s means of each axis \[%\], by model.
-fn row(programme: &str, bench: &Bench) -> String {
-    let file = format!("{programme}.toml");
+fn row(run: &str, bench: &Bench) -> String {
+    let file = format!("{run}.toml");
     let own = bench.path(&file).exists();
-    let profile = if own { file } else { programme.to_owned() };
-    let log = format!("{programme}.csv");
+    let profile = if own { file } else { run.to_owned() };
+    let log = format!("{run}.csv");
     bench.ok(&format!(
         "simulate --unit hysteretic --profile {profile} --seed 1 --out {log}"
     ));
     let text = fs::read_to_string(bench.path(&log)).unwrap();
     let last = text.lines().last().unwrap().split(',').next().unwrap();
     let hours = last.parse::<f64>().unwrap() / 3600.0;
-    let mut row = format!("| `{programme}` | {hours:.1} |");
+    let mut row = format!("| `{run}` | {hours:.1} |");
     for model in ["composite", "spline"] {
-        let set = format!("{programme}_{model}");
+        let set = format!("{run}_{model}");
         bench.ok(&format!(
             "fit {log} --serial PLAN --out {set} --model {model} --no-report"
         ));
@@ -65,13 +65,13 @@ fn split(table: &str) -> (Vec<&str>, Vec<f64>) {
 
 /// Run with `TEMPCO_BLESS=1` to write the table anew after a change of simulation or fit.
 #[test]
-fn the_table_of_programmes_is_what_the_commands_give() {
+fn the_table_of_profiles_is_what_the_commands_give() {
     let path = root().join("docs/calibration.md");
     let guide = fs::read_to_string(&path).unwrap();
     let bench = Bench::new();
-    write_programmes(&guide, &bench);
+    write_profiles(&guide, &bench);
     bench.ok("simulate --unit hysteretic --profile verification --seed 2 --out verification.csv");
-    let rows = parallel::map(&PROGRAMMES, |programme| row(programme, &bench));
+    let rows = parallel::map(&RUNS, |run| row(run, &bench));
     let found = format!("{HEAD}{}", rows.concat());
 
     let (before, rest) = guide.split_once(BEGIN).unwrap();
@@ -83,7 +83,7 @@ fn the_table_of_programmes_is_what_the_commands_give() {
     let ((words, numbers), (committed_words, committed_numbers)) =
         (split(&found), split(committed));
     assert_eq!(words, committed_words);
-    assert_eq!(numbers.len(), 7 * PROGRAMMES.len());
+    assert_eq!(numbers.len(), 7 * RUNS.len());
     for (found, committed) in numbers.iter().zip(&committed_numbers) {
         // The last digit may depend on the processor.
         assert!(

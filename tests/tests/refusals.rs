@@ -250,15 +250,15 @@ fn a_set_and_a_log_that_do_not_belong_together_are_refused() {
 }
 
 #[test]
-fn units_and_programmes_that_cannot_be_simulated_are_refused() {
+fn units_and_profiles_that_cannot_be_simulated_are_refused() {
     let bench = Bench::new();
     let unit = bench.ok("simulate --show paper");
     bench.write(
         "unit.toml",
         &unit.replace("step_c = 0.0625", "step_k = 0.0625"),
     );
-    let programme = bench.ok("simulate --show short");
-    bench.write("fast.toml", &programme.replacen("= 1.0 }", "= 1000 }", 1));
+    let profile = bench.ok("simulate --show short");
+    bench.write("fast.toml", &profile.replacen("= 1.0 }", "= 1000 }", 1));
     let before = bench.files();
     for (args, expected) in [
         (
@@ -290,7 +290,7 @@ fn units_and_programmes_that_cannot_be_simulated_are_refused() {
             "--out and --truth: expected two files",
         ),
         ("--unit paper --profile short", "--out <LOG.csv>"),
-        ("--show papr", "neither a named unit nor a named programme"),
+        ("--show papr", "neither a named unit nor a named profile"),
     ] {
         let ran = bench.run(&format!("simulate {args}"));
         assert_eq!(ran.code, 2, "{args}");

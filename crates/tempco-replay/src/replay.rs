@@ -77,7 +77,7 @@ impl<'t, const C: usize, const A: usize, const PLAYS: usize, const SLOW: usize>
 pub struct Summary {
     /// Samples taken.
     pub samples: u32,
-    /// Samples with any remark in any channel.
+    /// Samples with any flag in any channel.
     pub not_valid: u32,
     /// Temperatures rejected, over all channels.
     pub rejected: u32,

@@ -67,7 +67,7 @@ fn code(s: u32) -> u16 {
 }
 
 fn main() {
-    // At power-on the first value is believed, so it is worth a median of a few.
+    // At power-on the first value is accepted, so it is worth a median of a few.
     let mut first = [0, 1, 2].map(|s| Thermistor::temp_c(code(s)));
     first.sort_by(f32::total_cmp);
     let mut unit = Compensator::new(&TABLE);

@@ -61,7 +61,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut unit = Compensator::new(&table);
     unit.start(first_c);
 
-    let (mut squares_before, mut squares_after, mut remarked) = (0.0, 0.0, 0);
+    let (mut squares_before, mut squares_after, mut flagged) = (0.0, 0.0, 0);
     for &(time_s, temp_c, raw) in rows {
         // The time between rows varies in a record, and so do the factors that follow from it.
         let interval = Interval::new(&thermal, (time_s - before_s) as f32);
@@ -69,11 +69,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         let out = unit.step(&interval, temp_c, [raw]);
         squares_before += f64::from(raw).powi(2);
         squares_after += f64::from(out.compensated[0]).powi(2);
-        remarked += u32::from(out.status != Status::OK);
+        flagged += u32::from(out.status != Status::OK);
     }
     let rms = |squares: f64| (squares / rows.len() as f64).sqrt();
     println!(
-        "{} rows: rms {:.4} deg/h before, {:.4} deg/h after; {remarked} rows with a remark, {} \
+        "{} rows: rms {:.4} deg/h before, {:.4} deg/h after; {flagged} rows with a flag, {} \
          temperatures rejected",
         rows.len(),
         rms(squares_before),

@@ -30,7 +30,7 @@ impl<const PLAYS: usize, const SLOW: usize> BiasState<PLAYS, SLOW> {
         point
     }
 
-    /// Takes one temperature; the bias of every axis there, and all remarks.
+    /// Takes one temperature; the bias of every axis there, and all flags.
     #[inline(always)]
     pub(crate) fn update<const AXES: usize>(
         &mut self,

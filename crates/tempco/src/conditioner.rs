@@ -4,18 +4,18 @@ use crate::Thermal;
 use crate::interval::Interval;
 use crate::sign::{Sign, magnitude};
 
-/// The last believed temperature and the memory of faults.
+/// The last accepted temperature and the memory of faults.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[repr(C, align(8))]
 pub(crate) struct Conditioner {
-    /// Time since a temperature was believed \[ticks\].
+    /// Time since a temperature was accepted \[ticks\].
     age: i32,
     /// Time since the status ceased to say settling; negative, until it will \[ticks\].
     settled: i32,
     pub(crate) rejected: u32,
     pub(crate) restarts: u32,
-    /// The temperature gone on with: the last believed one, or once that is lost, the last
+    /// The temperature gone on with: the last accepted one, or once that is lost, the last
     /// reading, which the next one may confirm \[degC\].
     temp_c: f32,
 }
@@ -28,7 +28,7 @@ pub(crate) struct Conditioned {
     pub(crate) change_c: f32,
     /// The change is a movement of the part, from which a rate may be derived, or there is none.
     pub(crate) moved: Sign,
-    /// Nothing was believed for longer than the hold time.
+    /// Nothing was accepted for longer than the hold time.
     pub(crate) lost: Sign,
     pub(crate) settling: Sign,
     pub(crate) impossible: Sign,
@@ -36,7 +36,7 @@ pub(crate) struct Conditioned {
 }
 
 impl Conditioner {
-    /// Nothing was ever believed.
+    /// Nothing was ever accepted.
     pub(crate) const fn new(reference_c: f32) -> Self {
         Self {
             age: i32::MAX,
@@ -59,8 +59,8 @@ impl Conditioner {
         })
     }
 
-    /// A temperature is believed if the sensor can report it and the part can have reached it
-    /// since the last believed one; once the temperature was lost, if it agrees with the reading
+    /// A temperature is accepted if the sensor can report it and the part can have reached it
+    /// since the last accepted one; once the temperature was lost, if it agrees with the reading
     /// before it.
     ///
     /// All of it is computed for every sample.

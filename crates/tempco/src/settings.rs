@@ -21,7 +21,7 @@ pub struct ThermalSettings {
     /// \[degC\]: noise and quantisation of the sensor, generously. Also how far the effective
     /// temperature may be from where it ramps to without [`SETTLING`](crate::Status::SETTLING).
     pub spike_gate_c: f32,
-    /// Fastest change the part can undergo \[degC/min\]. Bounds what is believed after a fault,
+    /// Fastest change the part can undergo \[degC/min\]. Bounds what is accepted after a fault,
     /// and the speed at which the lag-compensated temperature, and with it the bias, may move (but for
     /// at least 2e-5 degC per update, which f32 can just represent).
     pub max_slew_c_per_min: f32,

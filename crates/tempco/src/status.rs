@@ -4,7 +4,7 @@ use core::ops::{BitAnd, BitOr, BitOrAssign};
 
 use crate::sign::Sign;
 
-/// A set of flags that goes with every output; empty means nothing to remark.
+/// A set of flags that goes with every output.
 ///
 /// Flags describe the present sample; how long a fault is remembered is said at each flag.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -29,7 +29,7 @@ impl defmt::Format for Status {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Validity {
-    /// Nothing to remark.
+    /// No flag.
     Valid,
     /// Compensated with stale, clamped or still settling thermal data.
     Degraded,

@@ -43,12 +43,12 @@ impl ThermalState {
 
     /// Starts at the first temperature after power-on, without the ramp from the reference
     /// temperature that a return in flight makes. One that the sensor cannot report leaves the
-    /// state lost; any other is believed, so take care that it is good, for instance the median of
+    /// state lost; any other is accepted, so take care that it is good, for instance the median of
     /// several readings.
     pub fn start(&mut self, thermal: &Thermal, temp_c: f32) -> ThermalPoint {
         *self = Self::new(thermal);
         let Some(conditioner) = Conditioner::start(thermal, temp_c) else {
-            // Counted as rejected; that no time has passed is no remark at power-on.
+            // Counted as rejected; that no time has passed sets no flag at power-on.
             let point = self.update(thermal, &Interval::new(thermal, 0.0), f32::NAN);
             return ThermalPoint {
                 status: Status::TEMPERATURE_INVALID | Status::TEMPERATURE_LOST | Status::SETTLING,

@@ -171,8 +171,8 @@ fn the_return_after_a_loss_makes_no_rate() {
     assert_eq!(unit.thermal_state().restarts(), 2);
 }
 
-/// The longer nothing was believed, the longer the estimate needs; past half a time constant it
-/// begins anew.
+/// The longer nothing was accepted, the longer the estimate needs; past half a time constant it
+/// begins again.
 #[test]
 fn the_rate_is_right_again_when_the_status_says_so() {
     let on_ramp = on_ramp(30.0, 2.0);
@@ -275,7 +275,7 @@ fn a_spike_is_rejected_before_the_differentiator_and_heals() {
         assert_eq!(unit.thermal_state().rejected(), 1);
         assert_heals(&mut unit, 40.0);
     }
-    // The widest jump that is believed: no remark, no restart, but no more than the slew either.
+    // The widest jump that is accepted: no flag, no restart, but no more than the slew either.
     for jump in [gate, -gate] {
         let mut unit = settled.clone();
         let out = feed(&mut unit, [40.0 + jump])[0];
@@ -310,7 +310,7 @@ fn alternating_good_and_bad_is_degraded_but_never_lost_nor_wrong() {
     assert_eq!(unit.thermal_state().restarts(), 1);
 }
 
-/// A sensor that comes back at another temperature is believed once the part can have got there.
+/// A sensor that comes back at another temperature is accepted once the part can have got there.
 #[test]
 fn a_step_is_believed_when_the_part_can_have_reached_it() {
     for &step in first(&[20.0, -20.0, 31.0], 1) {
@@ -339,7 +339,7 @@ fn a_step_too_large_for_the_hold_time_is_believed_after_the_loss() {
     let outs = feed(&mut unit, [60.0; HOLD_S + 2]);
     assert!(outs[..HOLD_S].iter().all(|o| o.status == SPIKE | SETTLING));
     assert_eq!(outs[HOLD_S].status, SPIKE | LOST | SETTLING);
-    // It has been the same for a minute: the next one is believed.
+    // It has been the same for a minute: the next one is accepted.
     assert_eq!(outs[HOLD_S + 1].status, SETTLING);
     assert_eq!(unit.thermal_state().rejected() as usize, HOLD_S + 1);
 }

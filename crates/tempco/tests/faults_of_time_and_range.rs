@@ -76,7 +76,7 @@ fn a_duplicate_on_a_ramp_leaves_the_rate_where_it_was() {
     }
 }
 
-/// The gap is remembered until there is a temperature to begin anew with.
+/// The gap is remembered until there is a temperature to begin again with.
 #[test]
 fn a_gap_that_begins_with_a_bad_temperature_restarts_all_the_same() {
     let mut unit = on_ramp(30.0, 2.0);

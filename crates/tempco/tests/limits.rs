@@ -1,4 +1,4 @@
-//! What is accepted and refused at the very limits, and what the refusals and remarks say.
+//! What is accepted and refused at the very limits, and what the refusals and flags say.
 
 mod common;
 
@@ -259,7 +259,7 @@ fn the_shortest_updates_move_the_effective_temperature() {
     }
 }
 
-/// That no time has passed since power-on is nothing to remark.
+/// That no time has passed since power-on is no flag.
 #[test]
 fn a_start_without_a_temperature_says_what_is_missing() {
     for missing in [f32::NAN, -60.1, f32::INFINITY] {

@@ -166,7 +166,7 @@ proptest! {
             unit.step(&Interval::new(&THERMAL, dt_s), temp, raw);
         }
         // At the longest: the gate opens, the estimator settles, the temperature arrives. What
-        // was believed last may lie 210 degC away, so the old rate needs longer to fade.
+        // was accepted last may lie 210 degC away, so the old rate needs longer to fade.
         let outs = feed(&mut unit, vec![temp; HOLD_S + 2 + 900]);
         let last = outs.last().unwrap();
         prop_assert_eq!(last.status, Status::OK);

@@ -170,7 +170,7 @@ fn show_channel(number: usize, channel: &Channel) -> Result<()> {
     }
     for part in channel.history.slow_parts() {
         print(format_args!(
-            "  slow part: tau {} s, lag up to {} degC, gain per degC {}",
+            "  second thermal lag: tau {} s, lag up to {} degC, gain per degC {}",
             part.tau_s,
             part.limit_c,
             gains(&part.gain, &units)

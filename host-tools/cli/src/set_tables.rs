@@ -59,7 +59,7 @@ pub(crate) fn show_states(channel: &ChannelSet) -> Result<()> {
     });
     let slow_parts = channel.table.slow_parts.iter().map(|part| {
         let lag = format!(
-            "slow part, tau {} s, lag up to {} degC",
+            "second thermal lag, tau {} s, lag up to {} degC",
             figure(part.tau_s.into()),
             figure(part.limit_c.into())
         );

@@ -18,7 +18,7 @@ pub(crate) struct Args {
     /// The unit: a name of --list, or a TOML file
     #[arg(long, value_name = "NAME|FILE.toml", required_unless_present_any = ["list", "show"])]
     unit: Option<String>,
-    /// The chamber programme: a name of --list, or a TOML file
+    /// The chamber profile: a name of --list, or a TOML file
     #[arg(long, value_name = "NAME|FILE.toml", required_unless_present_any = ["list", "show"])]
     profile: Option<String>,
     /// Seed of all noise; the same seed gives the same bytes
@@ -33,10 +33,10 @@ pub(crate) struct Args {
     /// Where to write the true cavity temperatures, biases and events
     #[arg(long, value_name = "TRUTH.csv")]
     truth: Option<PathBuf>,
-    /// List the units and programmes that have a name
+    /// List the units and profiles that have a name
     #[arg(long, exclusive = true)]
     list: bool,
-    /// Print the TOML of a named unit or programme, to start a file of your own from
+    /// Print the TOML of a named unit or profile, to start a file of your own from
     #[arg(long, value_name = "NAME", exclusive = true)]
     show: Option<String>,
 }
@@ -58,7 +58,7 @@ fn list() -> Result<()> {
             Unit::named(name)?.description
         ))?;
     }
-    print("programmes")?;
+    print("profiles")?;
     for name in PROFILES {
         let profile = Profile::named(name)?;
         print(format_args!("  {name:12}  {}", profile.parts().description))?;
@@ -70,7 +70,7 @@ fn source(name: &str) -> Result<&'static str> {
     Unit::source(name)
         .or_else(|_| Profile::source(name))
         .with_context(|| {
-            format!("`{name}` is neither a named unit nor a named programme (--list shows them)")
+            format!("`{name}` is neither a named unit nor a named profile (--list shows them)")
         })
 }
 

@@ -7,7 +7,7 @@ use serde::Serialize;
 /// Of the means over `tau`, so that the noise of single rows does not hide a trend.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Correlation {
-    /// With the effective temperature, -1 to 1.
+    /// With the lag-compensated temperature, -1 to 1.
     pub temperature: f64,
     /// With the rate of temperature, -1 to 1.
     pub rate: f64,

@@ -18,7 +18,7 @@ const LEAST_CHANGE_C: f64 = 0.05;
 /// The up-curve minus the down-curve \[unit of the axis\].
 ///
 /// Rows of which the rate is beyond `least_rate_c_per_min`, either way, are sorted into bins of
-/// effective temperature; the means of heating and cooling rows of each bin are compared.
+/// lag-compensated temperature; the means of heating and cooling rows of each bin are compared.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Hysteresis {
     /// Width of the bins \[degC\].
@@ -47,7 +47,7 @@ pub(super) struct Bins {
 }
 
 impl Bins {
-    /// Sorts effective temperatures \[degC\] and rates \[degC/min\] of an estimator of time
+    /// Sorts lag-compensated temperatures \[degC\] and rates \[degC/min\] of an estimator of time
     /// constant `tau_s`.
     pub(super) fn new(points: &[(f32, f32)], interval_s: f64, tau_s: f64) -> Self {
         let least_rate = LEAST_CHANGE_C / (tau_s / 60.0);

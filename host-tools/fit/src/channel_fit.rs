@@ -1,7 +1,7 @@
 //! The fit of a channel, whatever its model, and how it becomes a part of the set.
 
 use tempco::ThermalSettings;
-use tempco_set::assemble::{self, Fitted};
+use tempco_set::build::{self, Fitted};
 use tempco_set::{
     AxisSet, ChannelSet, CoefficientSigmas, GainSet, HeldOutErrors, NoiseSet, Overlap, Polynomial,
     Screening, SegmentSet, Segmentation, Selection, Term,
@@ -13,7 +13,7 @@ use crate::summary::ChannelData;
 pub(crate) struct ChannelFit {
     /// Settings of the thermal path; rate limits and reference temperature are not set yet.
     pub(crate) thermal: ThermalSettings,
-    /// Range of effective temperatures that was measured and is modelled \[degC\].
+    /// Range of lag-compensated temperatures that was measured and is modelled \[degC\].
     pub(crate) calibrated_c: (f32, f32),
     /// Range of rates that was measured \[degC/min\].
     pub(crate) rates: (f32, f32),
@@ -80,7 +80,7 @@ impl ChannelFit {
             screening: Some(findings.screening),
             selection: findings.selection,
         };
-        assemble::channel(
+        build::channel(
             fitted,
             &self.segmentation,
             self.overlap,

@@ -5,7 +5,7 @@ use tempco_evaluate::judge;
 use tempco_log::{Log, parallel};
 use tempco_set::{
     ChannelSet, CoefficientSet, Input, Judgement, Model, Provenance, Segmentation, Settings,
-    Warning, assemble,
+    Warning, build,
 };
 
 use crate::channel_fit::Findings;
@@ -80,11 +80,11 @@ pub fn fit_summaries(logs: &[LogSummary], options: &FitOptions) -> Result<Fit, F
     for data in &mut data {
         channels.push(fit_channel(data, options, &mut warnings)?);
     }
-    let mut set = assemble::set(
+    let mut set = build::set(
         options.serial.clone(),
         Provenance {
-            tool: assemble::tool(),
-            created: assemble::now(),
+            tool: build::tool(),
+            created: build::now(),
             inputs: logs.iter().map(input).collect(),
         },
         Settings {

@@ -97,7 +97,7 @@ impl CoefficientSet {
                 let terms = channel.table.plays.len() + channel.table.slow_parts.len();
                 if axis.gains.len() != terms {
                     return Err(format!(
-                        "axis {} has {} gains for {terms} plays and slow parts",
+                        "axis {} has {} gains for {terms} plays and second thermal lags",
                         axis.name,
                         axis.gains.len()
                     ));
@@ -107,8 +107,8 @@ impl CoefficientSet {
                 |channel: &ChannelSet| (channel.table.plays.len(), channel.table.slow_parts.len());
             if history(channel) != history(&self.channels[0]) {
                 return Err(
-                    "the temperature channels have different numbers of plays or slow \
-                            parts"
+                    "the temperature channels have different numbers of plays or second \
+                            thermal lags"
                         .to_owned(),
                 );
             }
@@ -237,7 +237,7 @@ impl TableData {
         let (plays, slow_parts) = MOST;
         if self.plays.len() > plays || self.slow_parts.len() > slow_parts {
             return Err(format!(
-                "{} plays and {} slow parts: expected {plays} and {slow_parts} at most",
+                "{} plays and {} second thermal lags: expected {plays} and {slow_parts} at most",
                 self.plays.len(),
                 self.slow_parts.len()
             ));
@@ -245,7 +245,9 @@ impl TableData {
         let gains = self.plays.iter().map(|play| &play.gain);
         let mut gains = gains.chain(self.slow_parts.iter().map(|part| &part.gain));
         if gains.any(|gain| gain.len() != axes) {
-            return Err(format!("a play or slow part does not have {axes} gains"));
+            return Err(format!(
+                "a play or second thermal lag does not have {axes} gains"
+            ));
         }
         (0..axes)
             .try_for_each(|axis| use_axis(self, axis, Accept).map_err(|error| error.to_string()))

@@ -11,7 +11,7 @@ use sha2::{Digest, Sha256};
 use tempco::ThermalSettings;
 use tempco_log::{AxisUnit, hex};
 
-use crate::assemble::{self, Fitted};
+use crate::build::{self, Fitted};
 use crate::model::{Polynomial, TERMS};
 use crate::segment::{Overlap, Segment, Segmentation};
 use crate::{AxisSet, CoefficientSet, Input, Model, Provenance, SegmentSet, Settings};
@@ -78,7 +78,7 @@ pub(crate) fn static_coefficients(path: &Path, text: &str) -> Result<Coefficient
         condition: 0.0,
         coverage: None,
     });
-    let channel = assemble::channel(
+    let channel = build::channel(
         Fitted {
             temperature: "temp_c".to_owned(),
             segments: segments.collect(),
@@ -122,11 +122,11 @@ pub(crate) fn static_coefficients(path: &Path, text: &str) -> Result<Coefficient
         interval_s: 0.0,
         duration_s: 0.0,
     };
-    let set = assemble::set(
+    let set = build::set(
         "imported".to_owned(),
         Provenance {
-            tool: assemble::tool(),
-            created: assemble::now(),
+            tool: build::tool(),
+            created: build::now(),
             inputs: vec![input],
         },
         Settings {

@@ -8,7 +8,7 @@
 //! | `set`, `axis`, `table`, `history`, `provenance`, `screening`, `selection`, `model_kind` | the records that `coefficients.json` holds |
 //! | `judgement` | the verdict on a set, with rejections and warnings |
 //! | `segment`, `model` | segments of temperature and the polynomials in them |
-//! | `tabulate`, [`assemble`] | fitted polynomials to a table and a set |
+//! | `tabulate`, [`build`] | fitted polynomials to a table and a set |
 //! | `check`, `rounding` | whether a set that was read holds together; bounds on the table's rounding |
 //! | `emit` | `table.rs`, `table.h`, `table.bin`, and a set from a flash image |
 //! | `load`, `import`, `folder` | sets from files, printed coefficients, the folder of a set |
@@ -17,8 +17,8 @@
 //! | [`escape`], [`files`] | texts from elsewhere; files that belong together |
 #![forbid(unsafe_code)]
 
-pub mod assemble;
 mod axis;
+pub mod build;
 mod check;
 mod dispatch;
 mod emit;

@@ -21,7 +21,7 @@ pub struct RoundingBound {
     pub evaluation: f64,
     /// Error of the place within the cell \[cells\].
     pub place: f64,
-    /// Error of the bias for the effective temperature and the values of the history terms: the
+    /// Error of the bias for the lag-compensated temperature and the values of the history terms: the
     /// polynomial's, that of the place times the steepest slope, and a product and a sum for each
     /// term \[unit of the axis\].
     pub total: f64,
@@ -31,7 +31,7 @@ pub struct RoundingBound {
 
 impl TableData {
     /// The largest difference between the bias of an axis as the core computes it and the exact
-    /// value of the same coefficients at the same effective temperature and rate, for every f32
+    /// value of the same coefficients at the same lag-compensated temperature and rate, for every f32
     /// temperature and every calibrated rate, in the cell that the core chose.
     ///
     /// # Panics
@@ -266,7 +266,7 @@ mod tests {
     /// The bias of a compensator with states is within the bound of what its point and its states
     /// make in exact arithmetic.
     #[test]
-    fn earned_states_add_a_product_and_a_sum_each() {
+    fn history_terms_add_a_product_and_a_sum_each() {
         let mut data = table(
             Terms::new([3.0, 0.1, -0.02], [0.5, 0.01]),
             (-20.0, 80.0),

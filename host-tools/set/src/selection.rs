@@ -43,7 +43,7 @@ pub struct Candidate {
     pub columns: usize,
     /// Time constant of the rate estimator \[s\].
     pub tau_s: f64,
-    /// Shift of the effective temperature.
+    /// Shift of the lag-compensated temperature.
     pub kappa: f64,
     /// Half widths of its plays \[degC\].
     #[serde(default, skip_serializing_if = "Vec::is_empty")]

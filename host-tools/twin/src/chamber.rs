@@ -265,7 +265,7 @@ mod tests {
     }
 
     #[test]
-    fn bad_programmes_are_refused_with_the_step() {
+    fn bad_profiles_are_refused_with_the_step() {
         let sine = |amplitude_c, period_min, count| Step::Sine {
             mean_c: 20.0,
             amplitude_c,

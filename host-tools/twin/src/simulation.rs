@@ -383,7 +383,7 @@ mod tests {
     }
 
     #[test]
-    fn starts_at_rest_and_ends_where_the_programme_ends() {
+    fn starts_at_rest_and_ends_where_the_profile_ends() {
         let samples: Vec<Sample> = Simulation::new(&quiet_unit(), &short(), 1, 2.0)
             .unwrap()
             .collect();

@@ -57,7 +57,7 @@ fn span(samples: &[Sample], condition: impl Fn(&Sample) -> bool) -> (f64, f64) {
 }
 
 #[test]
-fn temperature_faults_are_where_the_programme_says_and_flagged() {
+fn temperature_faults_are_where_the_profile_says_and_flagged() {
     for (what, reading_c) in [
         (FaultKind::TemperatureOpen, 199.0),
         (FaultKind::TemperatureShort, -99.0),

@@ -111,7 +111,7 @@ fn units_that_cannot_be_are_refused_with_line_and_column() {
 }
 
 #[test]
-fn programmes_that_cannot_be_are_refused_with_line_and_column() {
+fn profiles_that_cannot_be_are_refused_with_line_and_column() {
     for (text, expected) in [
         (
             "start_c = 20\nstep = [\n  { ramp = { to_c = 60, rate_c_per_min = 500 } },\n]\n",

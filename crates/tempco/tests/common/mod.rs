@@ -55,7 +55,7 @@ pub(crate) fn lipschitz(table: &Table<'_, 2>, axis: usize) -> Lipschitz {
     bound
 }
 
-/// A unit that has been at `temp_c` for so long that there is nothing left to remark.
+/// A unit that has been at `temp_c` for so long that there is no flag left.
 pub(crate) fn settled(temp_c: f32) -> Compensator<'static, 2> {
     let mut unit = Compensator::new(&TABLE);
     unit.start(temp_c);

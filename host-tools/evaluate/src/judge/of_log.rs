@@ -1,6 +1,6 @@
 //! What a log that a set was evaluated on says of it, or the sign-off that was made of one.
 
-use tempco_set::{Judgement, Rejection, RejectionCode, SignOff, Warning, WarningCode, assemble};
+use tempco_set::{Judgement, Rejection, RejectionCode, SignOff, Warning, WarningCode, build};
 
 use super::merit::{Merit, no_better_than_none};
 use crate::evaluation::{AxisEvaluation, Evaluation};
@@ -19,7 +19,7 @@ pub fn sign_off(evaluation: &Evaluation) -> SignOff {
     SignOff {
         file: evaluation.log.file.clone(),
         sha256: evaluation.log.sha256.clone(),
-        judged: assemble::now(),
+        judged: build::now(),
         tau_s: evaluation.tau_s,
         accepted: worse_axes.is_empty(),
         worse_axes,

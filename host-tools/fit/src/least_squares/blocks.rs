@@ -163,7 +163,7 @@ impl<'a> SamplePoints<'a> {
         &self.of_log[log]
     }
 
-    /// The effective temperature at which a log starts \[degC\]: with no rate yet, its temperature.
+    /// The lag-compensated temperature at which a log starts \[degC\]: with no rate yet, its temperature.
     pub(crate) fn start_c(&self, log: usize) -> f32 {
         let first = self.of_log[log].first();
         first.map_or(0.0, |first| first.point.effective_c)

@@ -11,7 +11,7 @@ pub(crate) struct AxisTerms {
     pub(crate) history: bool,
 }
 
-/// How the bias per rate depends on the effective temperature.
+/// How the bias per rate depends on the lag-compensated temperature.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum RateForm {
     /// No rate term.

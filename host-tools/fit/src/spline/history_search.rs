@@ -71,7 +71,7 @@ pub(crate) struct Bounds {
 }
 
 impl Bounds {
-    /// For a range of effective temperatures, the time constant of the rate estimator and the
+    /// For a range of lag-compensated temperatures, the time constant of the rate estimator and the
     /// longest log.
     pub(crate) fn new(range_c: (f64, f64), tau_s: f64, longest_log_s: f64) -> Self {
         let slow = (

@@ -1,7 +1,7 @@
 //! Terms of the thermal history that the core can carry beside the table.
 //!
 //! Each is one column over the whole range, whose values come from the core's own
-//! [`HistoryState`]. A term depends on the effective temperature alone, so that terms are run one
+//! [`HistoryState`]. A term depends on the lag-compensated temperature alone, so that terms are run one
 //! by one, whatever their number.
 
 use tempco::{History, HistoryState, Interval, Play, SlowPart, Thermal, ThermalSettings};
@@ -59,7 +59,7 @@ pub(crate) fn sort(terms: &mut [Term]) {
     });
 }
 
-/// What the gain of the term multiplies, over a series of effective temperatures, each with the
+/// What the gain of the term multiplies, over a series of lag-compensated temperatures, each with the
 /// interval since the one before \[degC\].
 ///
 /// # Panics
@@ -97,7 +97,7 @@ pub(crate) fn follow(
     }
 }
 
-/// The values of each term, block by block, from the effective temperatures of the blocks.
+/// The values of each term, block by block, from the lag-compensated temperatures of the blocks.
 pub(crate) fn block_history(
     blocks: &Blocks,
     regressors: &Regressors,

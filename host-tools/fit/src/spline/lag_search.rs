@@ -54,7 +54,7 @@ pub(crate) struct Search<'a> {
     pub(crate) blocks: &'a Blocks,
     pub(crate) settings: &'a ThermalSettings,
     pub(crate) fixed: FixedLag,
-    /// Makes the basis over a range of effective temperatures.
+    /// Makes the basis over a range of lag-compensated temperatures.
     pub(crate) layout: &'a dyn Fn((f64, f64)) -> Basis,
     /// History terms that go with it.
     pub(crate) shape: &'a Shape,

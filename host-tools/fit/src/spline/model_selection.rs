@@ -164,7 +164,7 @@ impl Question<'_> {
         Ok(())
     }
 
-    /// The basis of a layout over the effective temperatures of a lag.
+    /// The basis of a layout over the lag-compensated temperatures of a lag.
     pub(super) fn basis(
         &self,
         regressors: &Regressors,

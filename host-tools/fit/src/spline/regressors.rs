@@ -65,7 +65,7 @@ impl<'a> Regressors<'a> {
         self.temp_c[block] - kappa * self.tau_s / 60.0 * self.rates[block]
     }
 
-    /// Lowest and highest effective temperature.
+    /// Lowest and highest lag-compensated temperature.
     pub(crate) fn range_c(&self, kappa: f64) -> (f64, f64) {
         let count = self.rates.len();
         let temps: Vec<f64> = (0..count).map(|i| self.effective_c(i, kappa)).collect();

@@ -69,7 +69,7 @@ pub(super) fn draw(
     let temps_c = marks.iter().map(|mark| mark.1);
     let x = Scale {
         range: range_of(temps_c.chain(curve.iter().map(|&(temp_c, _)| temp_c))),
-        name: "effective temperature [degC]",
+        name: "lag-compensated temperature [degC]",
     };
     Figure::draw(
         format!("bias-{name}"),

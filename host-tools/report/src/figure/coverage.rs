@@ -34,7 +34,7 @@ pub(super) fn draw(channel: &ChannelSet, map: &Map) -> Result<Figure, ReportErro
     let ends = || map.time_s.keys().flat_map(corners).chain(calibrated);
     let x = Scale {
         range: range_of(ends().map(|end| end.0)),
-        name: "effective temperature [degC]",
+        name: "lag-compensated temperature [degC]",
     };
     let y = range_of(ends().map(|end| end.1));
     let name = &channel.temperature;

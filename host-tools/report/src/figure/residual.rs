@@ -117,7 +117,7 @@ pub(super) fn over_temperature(
         .collect();
     let x = Scale {
         range: range_of(places.iter().map(|place| place.1)),
-        name: "effective temperature [degC]",
+        name: "lag-compensated temperature [degC]",
     };
     let y = range_of(places.iter().flat_map(|place| [place.2.min, place.2.max]));
     Figure::draw(

@@ -35,7 +35,7 @@ pub(super) fn draw(channel: &ChannelSet, number: usize) -> Result<Figure, Report
         .collect();
     let x = Scale {
         range: range_of(curves.iter().flatten().map(|point| point.0)),
-        name: "effective temperature [degC]",
+        name: "lag-compensated temperature [degC]",
     };
     let y = range_of(curves.iter().flatten().map(|point| point.1));
     let shades = boundaries(channel, number);

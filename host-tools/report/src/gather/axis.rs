@@ -54,7 +54,7 @@ pub(crate) struct GatheredAxis {
     pub(crate) rows: Vec<(f64, Spread)>,
     /// Means over `tau`, raw and compensated, by time \[h\].
     pub(crate) means: Vec<(f64, [Spread; 2])>,
-    /// Means over `tau` by effective temperature and [`Direction`].
+    /// Means over `tau` by lag-compensated temperature and [`Direction`].
     pub(crate) by_temp: Bins<[Place; 3]>,
     /// What remained, means over `tau`, by rate of temperature.
     pub(crate) by_rate: Bins<Spread>,

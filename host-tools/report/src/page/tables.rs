@@ -302,7 +302,10 @@ fn history(set: &CoefficientSet) -> Markup {
         let plays = plays.map(|play| (play.half_width_c > 0.0, width(play.half_width_c)));
         let slow_parts = channel.table.slow_parts.iter().map(|part| {
             let [tau, limit] = [part.tau_s, part.limit_c].map(|value| cell(figure(value.into())));
-            (part.limit_c > 0.0, [cell("slow part"), dash(), tau, limit])
+            (
+                part.limit_c > 0.0,
+                [cell("second thermal lag"), dash(), tau, limit],
+            )
         });
         let terms = plays.chain(slow_parts).zip(&axis.gains);
         // Of a channel that has fewer terms than another, some only make up the number.
@@ -324,7 +327,7 @@ fn history(set: &CoefficientSet) -> Markup {
     html! {
         @if !rows.is_empty() {
             p { "Terms of the thermal history: gains in the unit of the axis per degC that the contact of a "
-                "play, of half width w, or the slow part is behind the temperature, with 1 sigma for this "
+                "play, of half width w, or the second thermal lag is behind the temperature, with 1 sigma for this "
                 "w or tau." }
             (table(&head, rows))
         }

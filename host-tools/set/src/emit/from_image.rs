@@ -3,7 +3,7 @@
 use tempco_image::{Channel, Image, ImageError, Unit};
 use tempco_log::{AxisUnit, Log};
 
-use crate::assemble;
+use crate::build;
 use crate::segment::Overlap;
 use crate::{
     AxisSet, ChannelSet, CoefficientSet, Model, PlayData, Provenance, Settings, SlowPartData,
@@ -70,11 +70,11 @@ pub fn set_of_image(image: &Image, log: &Log) -> Result<CoefficientSet, String> 
             selection: None,
         })
     });
-    let set = assemble::set(
+    let set = build::set(
         image.info().serial.to_owned(),
         Provenance {
-            tool: assemble::tool(),
-            created: assemble::now(),
+            tool: build::tool(),
+            created: build::now(),
             inputs: Vec::new(),
         },
         Settings {
