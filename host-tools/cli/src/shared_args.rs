@@ -1,5 +1,6 @@
 //! Arguments that several commands share: a set and a log, and how to read a log.
 
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Error, Result};
@@ -64,25 +65,19 @@ fn set_for(path: &Path, image: &Placed, log: &Log) -> Result<CoefficientSet> {
 
 /// An averaging time on the command line.
 pub(crate) fn averaging_time(text: &str) -> Result<f64, String> {
-    let tau_s = text
-        .parse()
-        .ok()
-        .filter(|tau_s| TAU_RANGE_S.contains(tau_s));
-    tau_s.ok_or_else(|| {
-        let (least, most) = (TAU_RANGE_S.start(), TAU_RANGE_S.end());
-        format!("expected seconds, {least} to {most:e}")
-    })
+    number_in(text, &TAU_RANGE_S, "seconds")
 }
 
 /// Angle per pulse on the command line.
 pub(crate) fn scale_factor(text: &str) -> Result<f64, String> {
-    let arcsec = text
-        .parse()
-        .ok()
-        .filter(|arcsec| SCALE_FACTORS_ARCSEC.contains(arcsec));
-    arcsec.ok_or_else(|| {
-        let (least, most) = (SCALE_FACTORS_ARCSEC.start(), SCALE_FACTORS_ARCSEC.end());
-        format!("expected arcsec per pulse, {least:e} to {most:e}")
+    number_in(text, &SCALE_FACTORS_ARCSEC, "arcsec per pulse")
+}
+
+fn number_in(text: &str, range: &RangeInclusive<f64>, unit: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|number| range.contains(number));
+    number.ok_or_else(|| {
+        let (least, most) = (range.start(), range.end());
+        format!("expected {unit}, {least:e} to {most:e}")
     })
 }
 

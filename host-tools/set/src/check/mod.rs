@@ -1,0 +1,203 @@
+//! Checks of a set that was read: what the types cannot hold back.
+
+mod numbers;
+mod ranges;
+#[cfg(test)]
+mod tests;
+
+use tempco::{Table, Terms};
+
+use crate::history::MOST;
+use crate::model::{AxisModel, horner};
+use crate::segment::Overlap;
+use crate::tabulate;
+use crate::{ChannelSet, CoefficientSet, FORMAT_VERSION, TableData, TableUse, use_axis};
+
+pub use ranges::SCALE_FACTORS_ARCSEC;
+
+/// Largest difference of a table from the polynomials, as a share of the axis's largest value: that
+/// of some roundings in f32.
+const ROUNDING: f64 = 4e-6;
+
+impl CoefficientSet {
+    /// Checks what the types cannot.
+    pub(crate) fn check(&self) -> Result<(), String> {
+        if self.format != "tempco-coefficients" || self.format_version != FORMAT_VERSION {
+            return Err(format!(
+                "format {} version {}: expected tempco-coefficients version {FORMAT_VERSION}",
+                self.format, self.format_version
+            ));
+        }
+        let axes = self
+            .channels
+            .first()
+            .map_or(0, |channel| channel.axes.len());
+        if axes == 0 || self.axes().count() > 6 {
+            return Err(format!("{} axes: expected 1 to 6", self.axes().count()));
+        }
+        for channel in &self.channels {
+            if channel.axes.len() != axes {
+                return Err("the temperature channels have different numbers of axes".to_owned());
+            }
+            channel.segmentation().map_err(|error| error.to_string())?;
+            for axis in &channel.axes {
+                if axis.polynomials.len() != channel.segments.len() {
+                    return Err(format!(
+                        "axis {} has {} polynomials for {} segments",
+                        axis.name,
+                        axis.polynomials.len(),
+                        channel.segments.len()
+                    ));
+                }
+                let terms = channel.table.plays.len() + channel.table.slow_parts.len();
+                if axis.gains.len() != terms {
+                    return Err(format!(
+                        "axis {} has {} gains for {terms} plays and second thermal lags",
+                        axis.name,
+                        axis.gains.len()
+                    ));
+                }
+            }
+            let history =
+                |channel: &ChannelSet| (channel.table.plays.len(), channel.table.slow_parts.len());
+            if history(channel) != history(&self.channels[0]) {
+                return Err(
+                    "the temperature channels have different numbers of plays or second \
+                            thermal lags"
+                        .to_owned(),
+                );
+            }
+            channel
+                .table
+                .check(axes)
+                .map_err(|error| error.to_string())?;
+        }
+        let crc = self.crc32();
+        if self.table_crc32 != format!("{crc:08x}") {
+            return Err(format!(
+                "the CRC of the tables is {crc:08x}, but the file says {}: it was damaged or \
+                 changed by hand",
+                self.table_crc32
+            ));
+        }
+        self.check_numbers()?;
+        for (number, channel) in self.channels.iter().enumerate() {
+            channel.check_agreement(&format!("channels[{number}]"), self.settings.overlap)?;
+        }
+        Ok(())
+    }
+}
+
+impl ChannelSet {
+    /// Checks that the table, whose form is known to be right, is the one that its polynomials make.
+    fn check_agreement(&self, key: &str, overlap: Overlap) -> Result<(), String> {
+        let segmentation = self.segmentation().map_err(|error| error.to_string())?;
+        let table = &self.table;
+        let (first_c, last_c) = segmentation.range_c();
+        let edges = [
+            ("first_edge_c", table.first_edge_c, first_c),
+            ("last_edge_c", table.last_edge_c, last_c),
+        ];
+        for (name, edge_c, end_c) in edges {
+            if edge_c != end_c as f32 {
+                return Err(format!(
+                    "{key}.table.{name} is {edge_c:?}: expected {end_c:?}, the end of the segments"
+                ));
+            }
+        }
+        let axes = self.axes.iter().map(|axis| AxisModel {
+            polynomials: &axis.polynomials,
+            overlap,
+        });
+        let axes: Vec<AxisModel> = axes.collect();
+        let rates = (
+            f64::from(table.thermal.rate_min_c_per_min),
+            f64::from(table.thermal.rate_max_c_per_min),
+        );
+        let made = tabulate::in_cells(table.cells.len(), &segmentation, &axes, rates);
+        if made.deviation > self.table_deviation + tabulate::TOLERANCE {
+            return Err(format!(
+                "{key}.table_deviation is {:?}: expected {:.1e}, which {} cells are off the \
+                 polynomials",
+                self.table_deviation,
+                made.deviation,
+                table.cells.len()
+            ));
+        }
+        for (number, axis) in self.axes.iter().enumerate() {
+            let pairs = table.cells.iter().zip(&made.cells);
+            let pairs: Vec<_> = pairs.map(|(a, b)| (a[number], b[number])).collect();
+            let (far, unit) = (
+                |message| format!("{key}.table: axis {}, {message}", axis.name),
+                axis.unit,
+            );
+            same(&pairs, |terms| &terms.a, unit.symbol()).map_err(far)?;
+            let per_rate = format!("{unit} per degC/min");
+            same(&pairs, |terms| &terms.r, &per_rate).map_err(far)?;
+        }
+        Ok(())
+    }
+}
+
+impl TableData {
+    /// Checks the form of the table, and that the core accepts it.
+    fn check(&self, axes: usize) -> Result<(), String> {
+        if self.cells.iter().any(|cell| cell.len() != axes) {
+            return Err(format!("a cell of the table does not have {axes} axes"));
+        }
+        let (plays, slow_parts) = MOST;
+        if self.plays.len() > plays || self.slow_parts.len() > slow_parts {
+            return Err(format!(
+                "{} plays and {} second thermal lags: expected {plays} and {slow_parts} at most",
+                self.plays.len(),
+                self.slow_parts.len()
+            ));
+        }
+        let gains = self.plays.iter().map(|play| &play.gain);
+        let mut gains = gains.chain(self.slow_parts.iter().map(|part| &part.gain));
+        if gains.any(|gain| gain.len() != axes) {
+            return Err(format!(
+                "a play or second thermal lag does not have {axes} gains"
+            ));
+        }
+        (0..axes)
+            .try_for_each(|axis| use_axis(self, axis, Accept).map_err(|error| error.to_string()))
+    }
+}
+
+/// That the core accepts tables.
+struct Accept;
+
+impl TableUse for Accept {
+    type Output = ();
+
+    fn with<const CHANNELS: usize, const AXES: usize, const PLAYS: usize, const SLOW: usize>(
+        self,
+        _: &[Table<AXES, PLAYS, SLOW>; CHANNELS],
+    ) {
+    }
+}
+
+/// Compares cells, as found and as made of polynomials, by the polynomial that `part` takes of them.
+fn same(pairs: &[(Terms, Terms)], part: fn(&Terms) -> &[f32], unit: &str) -> Result<(), String> {
+    // At the cold edge, in the middle and at the hot edge of the cell.
+    let values = |terms: &Terms| {
+        let coefficients: Vec<f64> = part(terms).iter().copied().map(f64::from).collect();
+        [0.0, 0.5, 1.0].map(|z| horner(&coefficients, z))
+    };
+    let all = pairs.iter().flat_map(|(_, made)| values(made));
+    let allowed = ROUNDING * all.fold(0.0_f64, |largest, value| largest.max(value.abs()));
+    for (cell, (found, made)) in pairs.iter().enumerate() {
+        let differences = values(found).into_iter().zip(values(made));
+        let difference = differences.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        if difference > allowed {
+            return Err(format!(
+                "cell {} of {}: {difference:.3e} {unit} off its polynomial: expected {allowed:.1e} \
+                 at most, by rounding",
+                cell + 1,
+                pairs.len()
+            ));
+        }
+    }
+    Ok(())
+}
