@@ -136,19 +136,22 @@ fn an_image_is_applied_and_evaluated_as_the_set_it_is_made_from() {
             let mut evaluation: Value = serde_json::from_str(&ran.out).unwrap();
             let role = evaluation["log"]["role"].take();
             // What only the fit knows.
-            evaluation["segments"].take();
+            for key in ["segments", "verdict", "verified", "warnings"] {
+                evaluation[key].take();
+            }
             for axis in evaluation["axes"].as_array_mut().unwrap() {
                 axis["boundaries"].take();
                 axis["coefficient_sigmas"].take();
             }
-            (out, evaluation, ran.code, role)
+            let rejections = evaluation["rejections"].as_array_mut().unwrap();
+            rejections.retain(|of| of["message"].as_str().unwrap().contains("on log.csv"));
+            (out, evaluation, role)
         };
         let of_set = result("coefficients.json");
         let of_image = result("table.bin");
         assert_eq!((&of_image.0, &of_image.1), (&of_set.0, &of_set.1));
-        assert_eq!(of_image.2, of_set.2);
         assert_eq!(
-            (of_set.3, of_image.3),
+            (of_set.2, of_image.2),
             ("training".into(), "unknown".into())
         );
     }
