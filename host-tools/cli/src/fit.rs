@@ -10,9 +10,9 @@ use tempco_set::{CoefficientSet, Stretch, file_names};
 
 use crate::Exit;
 use crate::batch;
-use crate::judgement::{say_rejections, show};
+use crate::judgement::{print_as_json, say_rejections, show};
 use crate::method_args::MethodArgs;
-use crate::output::{figure, percent, print, print_json, print_lines, table};
+use crate::output::{figure, percent, print, print_lines, table};
 use crate::report::{ensure_rereadable, write_figures};
 use crate::set_files::{report_on, write};
 use crate::set_tables::{show_choice, show_states};
@@ -104,14 +104,8 @@ pub(crate) fn run(args: &Args) -> Result<Exit> {
 
     let files = files(args);
     if args.json {
-        print_json(&json!({
-            "set": set,
-            "verdict": judgement.verdict(),
-            "verified": judgement.verified,
-            "rejections": judgement.rejections,
-            "warnings": judgement.warnings,
-            "files": files,
-        }))?;
+        let found = json!({"set": set, "files": files});
+        print_as_json(found, &judgement)?;
     } else {
         summarise(set, args.tau)?;
         print(format_args!("wrote {}", files.join(", ")))?;

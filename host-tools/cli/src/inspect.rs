@@ -13,7 +13,7 @@ use tempco_set::{
 use crate::Exit;
 use crate::image;
 use crate::judgement::{self, say_rejections};
-use crate::output::{figure, print, print_json, print_lines, table};
+use crate::output::{figure, print, print_lines, table};
 use crate::set_tables::{show_choice, show_coverage, show_states};
 
 /// Show a coefficient set: segments, ranges, mismatches, jumps, CRC, provenance
@@ -47,7 +47,7 @@ pub(crate) fn run(args: &Args) -> Result<Exit> {
     let set = read_set(&args.set)?;
     let judgement = judge(&set, None);
     if args.json {
-        print_json(&derived(&set, &judgement))?;
+        judgement::print_as_json(derived(&set, &judgement), &judgement)?;
     } else {
         show(&set)?;
         judgement::show(&judgement)?;
@@ -78,10 +78,6 @@ fn derived(set: &CoefficientSet, judgement: &Judgement) -> Value {
     let alarms: Vec<_> = alarms.map(|of| of.axis.as_deref()).collect();
     json!({
         "set": set,
-        "verdict": judgement.verdict(),
-        "verified": judgement.verified,
-        "rejections": judgement.rejections,
-        "warnings": judgement.warnings,
         "rejected": !judgement.is_accepted(),
         "alarms": alarms,
         "channels": channels,

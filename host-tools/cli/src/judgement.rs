@@ -1,9 +1,22 @@
 //! How the judgement on a set is said.
 
 use anyhow::Result;
+use serde::Serialize;
 use tempco_set::Judgement;
 
-use crate::output::{print, say};
+use crate::output::{print, print_json, say};
+
+/// Prints `of`, an object, and the judgement as one JSON object.
+pub(crate) fn print_as_json(of: impl Serialize, judgement: &Judgement) -> Result<()> {
+    #[derive(Serialize)]
+    struct Judged<'a, T> {
+        #[serde(flatten)]
+        of: T,
+        #[serde(flatten)]
+        judgement: &'a Judgement,
+    }
+    print_json(&Judged { of, judgement })
+}
 
 /// Prints the verdict with its reasons.
 pub(crate) fn show(judgement: &Judgement) -> Result<()> {

@@ -5,7 +5,6 @@ mod show;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
-use serde::Serialize;
 use tempco_evaluate::{Evaluation, Role, evaluate, judge, sign_off};
 use tempco_report::{Report, Subject};
 use tempco_set::run::KnownLog;
@@ -14,7 +13,7 @@ use tempco_set::{CoefficientSet, Judgement};
 use crate::Exit;
 use crate::image::is_image;
 use crate::judgement::{self, say_rejections};
-use crate::output::{print_json, say, write_file};
+use crate::output::{say, write_file};
 use crate::report::{Found, ensure_rereadable, gather, write_figures};
 use crate::shared_args::{SetAndLog, averaging_time, load_set_for};
 
@@ -85,10 +84,7 @@ pub(crate) fn run(args: &Args) -> Result<Exit> {
     let judgement = judge(&set, Some(&evaluation));
     write_report(args, &set, &evaluation, &judgement, found)?;
     if args.json {
-        print_json(&Judged {
-            evaluation: &evaluation,
-            judgement: &judgement,
-        })?;
+        judgement::print_as_json(&evaluation, &judgement)?;
     } else {
         show::show(&evaluation)?;
         judgement::show(&judgement)?;
@@ -104,15 +100,6 @@ pub(crate) fn run(args: &Args) -> Result<Exit> {
         say!("{shown}: marked as {verdict}");
     }
     Ok(Exit::of(judgement.is_accepted()))
-}
-
-/// What is printed as JSON.
-#[derive(Serialize)]
-struct Judged<'a> {
-    #[serde(flatten)]
-    evaluation: &'a Evaluation,
-    #[serde(flatten)]
-    judgement: &'a Judgement,
 }
 
 /// Writes what was asked for of report and figures.

@@ -12,7 +12,7 @@ mod merit;
 mod of_log;
 mod of_set;
 
-use tempco_set::{CoefficientSet, Judgement, SignOff};
+use tempco_set::{CoefficientSet, Judgement};
 
 use crate::evaluation::{Evaluation, Role};
 
@@ -30,20 +30,15 @@ pub fn judge(set: &CoefficientSet, evaluation: Option<&Evaluation>) -> Judgement
     if let Some(sign_off) = sign_off {
         of_log::judge_sign_off(sign_off, &mut judgement);
     }
+    let mut is_verified = sign_off.is_some_and(|last| last.accepted);
     if let Some(evaluation) = evaluation {
-        judgement.rejections.extend(of_log::rejections(evaluation));
+        let rejections = of_log::rejections(evaluation);
+        let is_verification = evaluation.log.role == Role::Verification;
+        is_verified =
+            rejections.is_empty() && (is_verified || sign_off.is_none() && is_verification);
+        judgement.rejections.extend(rejections);
         judgement.warnings.extend(of_log::warnings(evaluation));
     }
-    judgement.verified = is_verified(sign_off, evaluation);
+    judgement.verified = is_verified;
     judgement
-}
-
-/// Whether some log that the set was not fitted to was evaluated, and none rejects the set.
-fn is_verified(sign_off: Option<&SignOff>, evaluation: Option<&Evaluation>) -> bool {
-    let signed_off = sign_off.map(|last| last.accepted);
-    let evaluated = evaluation.map(|of| of_log::rejections(of).is_empty());
-    let of_verification = evaluation.is_some_and(|of| of.log.role == Role::Verification);
-    (sign_off.is_some() || of_verification)
-        && signed_off.unwrap_or(true)
-        && evaluated.unwrap_or(true)
 }
