@@ -39,7 +39,7 @@ pub struct Variant {
 }
 
 impl Variant {
-    /// The release profile as it is.
+    /// The profile `firmware` as it is.
     pub const USUAL: Self = Self {
         name: "",
         features: &[],
@@ -90,9 +90,9 @@ pub fn build_variant(
     // Held until the image is copied, or the next build could come in between.
     let _lock = workspace.lock()?;
     let mut command = cargo(workspace, &target_dir, bin, variant);
-    command.arg("--release");
+    command.args(["--profile", "firmware"]);
     checked(&mut cargo_for(board, table.as_deref(), variant, command))?;
-    let built = target_dir.join(board.target()).join("release").join(bin);
+    let built = target_dir.join(board.target()).join("firmware").join(bin);
     keep(&built, &target_dir, &name)
 }
 
@@ -110,7 +110,7 @@ pub fn build_host(
     let _lock = workspace.lock()?;
     let (argument, folder) = match profile {
         Profile::Dev => ("dev", "debug"),
-        Profile::Release => ("release", "release"),
+        Profile::Firmware => ("firmware", "firmware"),
     };
     let mut command = cargo(workspace, &target_dir, bin, variant);
     checked(command.args(["--profile", argument]))?;
@@ -128,8 +128,8 @@ pub fn build_host(
 pub enum Profile {
     /// Little optimisation, with overflow checks and debug assertions.
     Dev,
-    /// All optimisation, no checks.
-    Release,
+    /// All optimisation, no checks, as the images of the boards.
+    Firmware,
 }
 
 /// Copies what was built to where the next build does not overwrite it.

@@ -11,16 +11,16 @@ use crate::{Board, Error, Options, Profile, Variant, Workspace, build, build_hos
 /// How the program is compiled for the host: the name, the profile, and what is changed in it.
 pub const HOST_BUILDS: [(&str, Profile, Variant); 3] = [
     ("host, dev", Profile::Dev, Variant::USUAL),
-    ("host, release", Profile::Release, Variant::USUAL),
+    ("host, firmware's profile", Profile::Firmware, Variant::USUAL),
     (
-        "host, release with checks",
-        Profile::Release,
+        "host, firmware's profile with checks",
+        Profile::Firmware,
         Variant {
             name: "-checked",
             features: &[],
             config: &[
-                "profile.release.overflow-checks=true",
-                "profile.release.debug-assertions=true",
+                "profile.firmware.overflow-checks=true",
+                "profile.firmware.debug-assertions=true",
             ],
         },
     ),

@@ -19,16 +19,16 @@ pub struct Guard {
 pub const CORE: Guard = Guard::new(
     "guard",
     &[
-        "profile.release.opt-level=3",
-        "profile.release.overflow-checks=true",
-        "profile.release.debug-assertions=true",
-        "profile.release.package.semihosting.debug-assertions=false",
+        "profile.firmware.opt-level=3",
+        "profile.firmware.overflow-checks=true",
+        "profile.firmware.debug-assertions=true",
+        "profile.firmware.package.semihosting.debug-assertions=false",
     ],
     &[
-        "profile.release.opt-level='s'",
-        "profile.release.overflow-checks=true",
-        "profile.release.debug-assertions=true",
-        "profile.release.package.semihosting.debug-assertions=false",
+        "profile.firmware.opt-level='s'",
+        "profile.firmware.overflow-checks=true",
+        "profile.firmware.debug-assertions=true",
+        "profile.firmware.package.semihosting.debug-assertions=false",
     ],
 );
 
@@ -40,14 +40,14 @@ pub const CORE: Guard = Guard::new(
 pub const UNIT: Guard = Guard::new(
     "guard_unit",
     &[
-        "profile.release.opt-level=3",
-        "profile.release.overflow-checks=true",
-        "profile.release.package.'*'.overflow-checks=false",
+        "profile.firmware.opt-level=3",
+        "profile.firmware.overflow-checks=true",
+        "profile.firmware.package.'*'.overflow-checks=false",
     ],
     &[
-        "profile.release.opt-level='s'",
-        "profile.release.overflow-checks=true",
-        "profile.release.package.'*'.overflow-checks=false",
+        "profile.firmware.opt-level='s'",
+        "profile.firmware.overflow-checks=true",
+        "profile.firmware.package.'*'.overflow-checks=false",
     ],
 );
 
@@ -77,8 +77,8 @@ impl Guard {
         Self {
             bin,
             variants: [
-                variant("opt-3", &["profile.release.opt-level=3"]),
-                variant("opt-s", &["profile.release.opt-level='s'"]),
+                variant("opt-3", &["profile.firmware.opt-level=3"]),
+                variant("opt-s", &["profile.firmware.opt-level='s'"]),
                 variant("opt-3-checked", checked_for_speed),
                 variant("opt-s-checked", checked_for_size),
             ],

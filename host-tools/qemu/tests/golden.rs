@@ -36,7 +36,7 @@ fn every_processor_agrees() {
 #[test]
 fn processors_without_floating_point_agree() {
     let on_host = |samples| {
-        on_host(&WORKSPACE, Profile::Release, &Variant::USUAL, samples)
+        on_host(&WORKSPACE, Profile::Firmware, &Variant::USUAL, samples)
             .unwrap_or_else(|error| panic!("{error}"))
     };
     let expected = on_host(SOFT_FLOAT_SAMPLES);
