@@ -21,8 +21,15 @@ pub fn ensure_target(workspace: &Workspace) -> Result<(), Error> {
 /// # Errors
 /// There is no rustup, or it fails.
 pub fn ensure_target_of(workspace: &Workspace, board: Board) -> Result<(), Error> {
+    ensure_rust_target(workspace, board.target())
+}
+
+/// Installs a Rust target with rustup, unless it is there.
+///
+/// # Errors
+/// There is no rustup, or it fails.
+pub fn ensure_rust_target(workspace: &Workspace, target: &str) -> Result<(), Error> {
     let _lock = workspace.lock()?;
-    let target = board.target();
     if has_target(workspace, target) {
         return Ok(());
     }
@@ -53,26 +60,31 @@ fn has_target(workspace: &Workspace, target: &str) -> bool {
 /// # Errors
 /// It is missing and this may not install it; the error says how to.
 pub fn ensure_qemu(workspace: &Workspace) -> Result<(), Error> {
-    ensure_program(workspace, "qemu-system-arm")
+    ensure_program(workspace, "qemu-system-arm", &["qemu-system-arm"])
 }
 
-/// Installs a program with apt-get, unless it is there. The Debian package has its name.
+/// Installs a program by its Debian packages with apt-get, unless it is there.
 ///
 /// # Errors
 /// It is missing and this may not install it; the error says how to.
-pub fn ensure_program(workspace: &Workspace, program: &str) -> Result<(), Error> {
+pub fn ensure_program(
+    workspace: &Workspace,
+    program: &str,
+    packages: &[&str],
+) -> Result<(), Error> {
     let _lock = workspace.lock()?;
     if checked(Command::new(program).arg("--version")).is_ok() {
         return Ok(());
     }
+    let names = packages.join(" ");
     if !is_root() || checked(Command::new("apt-get").arg("--version")).is_err() {
         return Err(Error::Missing {
             missing: program.to_owned(),
-            command: format!("sudo apt-get install {program} (or your system's equivalent)"),
+            command: format!("sudo apt-get install {names} (or your system's equivalent)"),
         });
     }
-    let install = ["install", "-y", "--no-install-recommends", program];
-    for arguments in [&["update"][..], &install] {
+    let install = ["install", "-y", "--no-install-recommends"];
+    for arguments in [vec!["update"], [&install[..], packages].concat()] {
         eprintln!("installing {program}: apt-get {}", arguments.join(" "));
         let mut command = Command::new("apt-get");
         command.args(["-q", "-o", "DPkg::Lock::Timeout=300"]);

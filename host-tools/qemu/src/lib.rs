@@ -3,7 +3,8 @@
 //! One module per concern, each usable alone:
 //!
 //! - [`Workspace`]: where the sources are
-//! - [`ensure_target`], [`ensure_target_of`], [`ensure_qemu`], [`ensure_program`]: install what is missing
+//! - [`ensure_target`], [`ensure_target_of`], [`ensure_rust_target`], [`ensure_qemu`],
+//!   [`ensure_program`]: install what is missing
 //! - [`build`]: an image for a [`Board`], with a coefficient table
 //! - [`code()`]: the machine code of one of its functions
 //! - [`Layout`]: where an image lies in memory, and how much of it it takes
@@ -51,7 +52,9 @@ pub use board::Board;
 pub use build::{Profile, Variant, build, build_host, build_variant};
 pub use code::code;
 pub use error::Error;
-pub use install::{TARGET, ensure_program, ensure_qemu, ensure_target, ensure_target_of};
+pub use install::{
+    TARGET, ensure_program, ensure_qemu, ensure_rust_target, ensure_target, ensure_target_of,
+};
 pub use layout::{Layout, Sizes};
 #[cfg(unix)]
 pub use machine::{Machine, MachineOptions, MachineTime};

@@ -1,10 +1,9 @@
 //! Proofs on the compiled core, with tools that are installed where that is allowed.
 
 use std::path::PathBuf;
-use std::process::{Command, Stdio};
 
 use anyhow::{Result, ensure};
-use tempco_qemu::{TARGET, Workspace, ensure_target};
+use tempco_qemu::{TARGET, Workspace, ensure_program, ensure_target};
 
 use crate::run::{cargo, run as step};
 
@@ -30,8 +29,14 @@ pub(crate) struct Args {
 pub(crate) fn run(args: &Args) -> Result<()> {
     let workspace = Workspace::find()?;
     ensure_target(&workspace)?;
-    install("gappa", &["gappa"]);
-    install("coqc", &["coq", "libcoq-gappa"]);
+    for (program, packages) in [
+        ("gappa", &["gappa"][..]),
+        ("coqc", &["coq", "libcoq-gappa"]),
+    ] {
+        if let Err(error) = ensure_program(&workspace, program, packages) {
+            eprintln!("SKIPPED: what needs {program}: {error}");
+        }
+    }
     let ir = intermediate_code(&workspace)?;
     let mut prove = cargo(&workspace, &["run", "--quiet", "--release", "--locked"]);
     prove
@@ -81,22 +86,4 @@ fn intermediate_code(workspace: &Workspace) -> Result<PathBuf> {
     step(workspace, &mut build)?;
     ensure!(file.is_file(), "the compiler wrote no LLVM IR");
     Ok(file)
-}
-
-/// Installs Debian packages if it may; a failure is printed, and what needs them is skipped later.
-fn install(program: &str, packages: &[&str]) {
-    let quiet = |command: &mut Command| {
-        let command = command.stdout(Stdio::null()).stderr(Stdio::null());
-        command.status().is_ok_and(|status| status.success())
-    };
-    if quiet(Command::new(program).arg("--version")) {
-        return;
-    }
-    eprintln!("installing: apt-get install {}", packages.join(" "));
-    let mut command = Command::new("apt-get");
-    command.env("DEBIAN_FRONTEND", "noninteractive");
-    command.args(["-q", "-o", "DPkg::Lock::Timeout=300", "install", "-y"]);
-    if !quiet(command.arg("--no-install-recommends").args(packages)) {
-        eprintln!("not installed: {}", packages.join(", "));
-    }
 }

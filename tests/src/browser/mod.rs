@@ -48,7 +48,8 @@ impl Browser {
     /// If it cannot be installed or does not start.
     pub fn start() -> Self {
         let workspace = Workspace::find().expect("the sources");
-        ensure_program(&workspace, "chromium").unwrap_or_else(|error| panic!("{error}"));
+        ensure_program(&workspace, "chromium", &["chromium"])
+            .unwrap_or_else(|error| panic!("{error}"));
         let profile = tempfile::tempdir().expect("a folder for Chromium");
         let process = Command::new("chromium")
             .args(["--headless", "--disable-gpu", "--hide-scrollbars"])
