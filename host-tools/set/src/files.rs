@@ -50,7 +50,14 @@ pub fn abandon() {
 /// A file that is not whole yet; it is removed unless it is kept.
 #[derive(Debug)]
 pub struct Draft {
+    // Closed before it is removed, as some systems demand: the fields are dropped in this order.
     file: File,
+    place: Place,
+}
+
+/// Where a draft is and where it is to be.
+#[derive(Debug)]
+struct Place {
     temp: PathBuf,
     path: PathBuf,
 }
@@ -73,13 +80,12 @@ impl Draft {
         }
         let created = new_file_in(folder).inspect_err(|_| unfinished.remove_if_new(folder));
         let (file, temp) = created.map_err(context)?.into_parts();
-        let draft = Self {
-            file,
+        let place = Place {
             temp: temp.to_path_buf(),
             path: path.to_owned(),
         };
-        unfinished.files.insert(draft.temp.clone(), temp);
-        Ok(draft)
+        unfinished.files.insert(place.temp.clone(), temp);
+        Ok(Self { file, place })
     }
 
     /// Where to write.
@@ -88,7 +94,7 @@ impl Draft {
     }
 }
 
-impl Drop for Draft {
+impl Drop for Place {
     fn drop(&mut self) {
         let mut unfinished = unfinished();
         // Nothing, if it was kept.
@@ -143,7 +149,7 @@ pub(crate) fn replace_with(
         draft
             .file
             .write_all(contents)
-            .map_err(|error| at(&draft.path, error))?;
+            .map_err(|error| at(&draft.place.path, error))?;
         steps.push(Step::Move(draft));
     }
     let mark = steps.len().saturating_sub(1);
@@ -157,7 +163,7 @@ fn carry_out(steps: Vec<Step>, mut before_each: impl FnMut()) -> io::Result<()> 
     for step in &steps {
         if let Step::Move(draft) = step {
             let synced = draft.file.sync_all();
-            synced.map_err(|error| at(&draft.path, error))?;
+            synced.map_err(|error| at(&draft.place.path, error))?;
         }
     }
     // Held throughout: whoever tells the program to end waits for the last step.
@@ -199,15 +205,15 @@ fn carry_out(steps: Vec<Step>, mut before_each: impl FnMut()) -> io::Result<()> 
 impl Step {
     fn path(&self) -> &Path {
         match self {
-            Self::Move(draft) => &draft.path,
+            Self::Move(draft) => &draft.place.path,
             Self::Remove(path) => path,
         }
     }
 
     fn carry_out(&self, unfinished: &mut Unfinished) -> io::Result<()> {
         match self {
-            Self::Move(draft) => match unfinished.files.remove(&draft.temp) {
-                Some(temp) => temp.persist(&draft.path).map_err(|error| error.error),
+            Self::Move(draft) => match unfinished.files.remove(&draft.place.temp) {
+                Some(temp) => temp.persist(&draft.place.path).map_err(|error| error.error),
                 None => Err(io::ErrorKind::NotFound.into()),
             },
             Self::Remove(path) => remove_if_there(path),
@@ -276,10 +282,14 @@ fn at(path: &Path, error: io::Error) -> io::Error {
 
 /// A temporary file that others may read once it has its name, as far as the user's mask allows.
 fn new_file_in(folder: &Path) -> io::Result<tempfile::NamedTempFile> {
-    let mut builder = tempfile::Builder::new();
     #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    builder.tempfile_in(folder)
+    {
+        let mode = std::os::unix::fs::PermissionsExt::from_mode(0o666);
+        let mut builder = tempfile::Builder::new();
+        builder.permissions(mode).tempfile_in(folder)
+    }
+    #[cfg(not(unix))]
+    tempfile::NamedTempFile::new_in(folder)
 }
 
 /// A folder for files in passing, which no other user can reach; removed at the end.

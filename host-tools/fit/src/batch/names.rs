@@ -17,7 +17,8 @@ pub const SUMMARY_FILES: [&str; 2] = ["summary.csv", "summary.html"];
 /// another unit by case alone.
 pub fn check_serial(serial: &str, units: &[UnitLogs]) -> Result<(), SerialError> {
     let serial_of = || serial.to_owned();
-    if Path::new(serial).file_name() != Some(OsStr::new(serial)) {
+    let is_name = Path::new(serial).file_name() == Some(OsStr::new(serial));
+    if !is_name || (cfg!(windows) && !is_name_on_windows(serial)) {
         return Err(SerialError::NoName(serial_of()));
     }
     let lower = serial.to_lowercase();
@@ -29,6 +30,17 @@ pub fn check_serial(serial: &str, units: &[UnitLogs]) -> Result<(), SerialError>
         Some(other) => Err(SerialError::Case(serial_of(), other.clone())),
         None => Ok(()),
     }
+}
+
+/// Whether Windows takes the name as it is. It cuts dots and spaces off the end, and some names are
+/// devices, also with an ending.
+fn is_name_on_windows(name: &str) -> bool {
+    let stem = name.split('.').next().unwrap_or_default().trim_end();
+    let stem = stem.to_ascii_uppercase();
+    let port = stem.strip_prefix("COM").or(stem.strip_prefix("LPT"));
+    let is_port = port.is_some_and(|port| matches!(port.as_bytes(), [b'0'..=b'9']));
+    let is_device = is_port || ["CON", "PRN", "AUX", "NUL"].contains(&stem.as_str());
+    !(is_device || name.ends_with(['.', ' ']) || name.contains(['<', '>', ':', '"', '|', '?', '*']))
 }
 
 /// A serial number that cannot be the name of a folder of its own.
@@ -74,6 +86,20 @@ mod tests {
         ] {
             let error = check(bad).unwrap_err();
             assert!(error.contains(expected), "{bad}: {error}");
+        }
+    }
+
+    #[test]
+    fn windows_takes_no_devices_and_no_dots_or_spaces_at_the_end() {
+        for good in [
+            "B2", "COM", "COM12", "COM!", "CONSOLE", "C-3.1", ".con", "COMB",
+        ] {
+            assert!(is_name_on_windows(good), "{good}");
+        }
+        for bad in [
+            "con", "NUL.csv", "Com1", "LPT9", "aux .x", "B2.", "B2 ", "B:2", "B?",
+        ] {
+            assert!(!is_name_on_windows(bad), "{bad}");
         }
     }
 }
