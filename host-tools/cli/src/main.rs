@@ -21,7 +21,7 @@ mod report;
 mod set_files;
 mod set_tables;
 mod shared_args;
-#[cfg(unix)]
+#[cfg_attr(windows, path = "ctrl_c.rs")]
 mod signals;
 mod simulate;
 mod status;
@@ -73,8 +73,8 @@ impl Exit {
 }
 
 fn main() -> ExitCode {
-    let command = Cli::parse().command;
-    #[cfg(unix)]
+    // The shells of Windows leave patterns such as `*.csv` to the command.
+    let command = Cli::parse_from(wild::args_os()).command;
     if let Err(error) = signals::watch() {
         // Whatever is unfinished then stays when the command is told to end.
         eprintln!("signals: {error}");

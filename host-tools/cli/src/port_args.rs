@@ -12,7 +12,7 @@ pub(crate) const BAUD: u32 = 921_600;
 /// Where a unit is.
 #[derive(clap::Args)]
 pub(crate) struct PortArgs {
-    /// Serial port of the unit, such as /dev/ttyUSB0, or the socket of an emulator
+    /// Serial port of the unit, such as /dev/ttyUSB0 or COM3, or the socket of an emulator
     #[arg(long, value_name = "PORT")]
     pub(crate) port: PathBuf,
     /// Baud rate of the serial port

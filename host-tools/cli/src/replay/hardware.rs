@@ -1,23 +1,18 @@
-//! Through the whole application, over its serial link: on a unit, or on the emulator.
+//! Through the whole application, over its serial link.
 
 use std::path::Path;
 
 use anyhow::{Context, Result, anyhow, ensure};
 use tempco_hil::replay::{Comparison, by_block, by_row};
-use tempco_hil::{Identity, Patience, Unit, flash_set, open};
+use tempco_hil::{Identity, Patience, Unit, open};
 use tempco_image::{MAX_PLAYS, MAX_SLOW_PARTS};
 use tempco_link::{FaultSet, Telemetry};
-use tempco_qemu::{Board, Machine, MachineOptions, MachineTime, Variant};
 use tempco_set::{ShapeUse, use_shape};
 
 use super::{Differences, Replay};
 use crate::output::print;
 use crate::port_args::bank_name;
 use crate::progress::Progress;
-
-/// An instruction takes 32 ns of emulated time, about what the board's 25 MHz give it: load and
-/// latency do not depend on this machine.
-const TIME: MachineTime = MachineTime::Unbound { shift: 5 };
 
 /// The interval of a log may be off that of the unit by this share: times in logs are rounded.
 const INTERVAL_TOLERANCE: f64 = 0.1;
@@ -49,35 +44,8 @@ pub(super) fn at_port(
     Ok((through(put, &mut unit, &identity, real_time)?, place))
 }
 
-/// On an emulated unit, into which the set is written first.
-pub(super) fn in_qemu(
-    put: &Replay,
-    board: Board,
-    real_time: bool,
-) -> Result<(Differences, String)> {
-    let elf = put.build(board, "unit", &Variant::APPLICATION)?;
-    let options = MachineOptions {
-        time: TIME,
-        ..MachineOptions::default()
-    };
-    let machine = Machine::start(&elf, board, &options)?;
-    let replayed = in_machine(put, &machine, real_time);
-    for line in machine.log() {
-        print(format_args!("{board}: {line}"))?;
-    }
-    Ok((replayed?, board.to_string()))
-}
-
-fn in_machine(put: &Replay, machine: &Machine, real_time: bool) -> Result<Differences> {
-    let mut unit = Unit::connect(open(&machine.link(), 0)?, Patience::default())?;
-    // What is replayed is in the table's unit: the gyro of the emulator is not looked at.
-    let scale_factor = unit.scale_factor_arcsec()?.into();
-    let identity = flash_set(&mut unit, put.image.bytes(), Some(scale_factor), |_| {})?;
-    through(put, &mut unit, &identity, real_time)
-}
-
 /// Replays the log and says how the unit was before and after.
-fn through(
+pub(super) fn through(
     put: &Replay,
     unit: &mut Unit,
     identity: &Identity,

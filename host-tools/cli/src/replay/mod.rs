@@ -1,19 +1,22 @@
 //! `tempco replay`: the same log through the firmware and through the host, bit by bit.
 
+// QEMU is driven over unix-domain sockets.
+#[cfg_attr(not(unix), path = "no_emulator.rs")]
+mod emulator;
 mod hardware;
+#[cfg(unix)]
 mod semihosting;
 
 use std::path::PathBuf;
 use std::str::FromStr;
 
-use anyhow::{Error, Result, ensure};
+use anyhow::{Error, Result};
 use tempco_log::Log;
-use tempco_qemu::{Board, Variant, Workspace, build_variant, ensure_qemu, ensure_target_of};
 use tempco_replay::Sample;
-use tempco_set::files::ScratchFolder;
 use tempco_set::run::{ChannelInputs, inputs};
-use tempco_set::{CoefficientSet, table_bin, table_rs};
+use tempco_set::{CoefficientSet, table_bin};
 
+use self::emulator::EmulatorArgs;
 use crate::Exit;
 use crate::image::Placed;
 use crate::output::{print, say};
@@ -30,14 +33,8 @@ pub(crate) struct Args {
     /// Where the firmware runs: `qemu` for the emulator, or the serial port of a unit
     #[arg(long, value_name = "qemu|PORT")]
     target: Target,
-    /// Of the emulator, the board to build for: mps2-an386, stm32f405, mps2-an500 or mps2-an505
-    #[arg(long, default_value = "mps2-an386")]
-    board: Board,
-    /// Of the emulator, run the whole application, as on a unit: write the set into it over its
-    /// serial link, and send the log the same way; without, the compensators alone, on files,
-    /// which is some 20 times faster
-    #[arg(long)]
-    application: bool,
+    #[command(flatten)]
+    emulator: EmulatorArgs,
     /// Baud rate of a serial port
     #[arg(long, value_name = "N", default_value_t = BAUD)]
     baud: u32,
@@ -68,6 +65,9 @@ impl FromStr for Target {
 }
 
 pub(crate) fn run(args: &Args) -> Result<Exit> {
+    if let Target::Qemu = args.target {
+        args.emulator.check(args.real_time)?;
+    }
     let (set, log) = args.put.read()?;
     let inputs = inputs(&set, &log)?;
     let image = Placed::of(&table_bin(&set).map_err(Error::msg)?);
@@ -79,22 +79,7 @@ pub(crate) fn run(args: &Args) -> Result<Exit> {
     };
     let (differences, place) = match &args.target {
         Target::Port(port) => hardware::at_port(&replay, port, args.baud, args.real_time)?,
-        Target::Qemu if args.application => {
-            ensure!(
-                args.board.has_application(),
-                "--board {}: expected mps2-an386 or mps2-an500, whose devices the emulator has",
-                args.board
-            );
-            hardware::in_qemu(&replay, args.board, args.real_time)?
-        }
-        Target::Qemu => {
-            ensure!(
-                !args.real_time,
-                "--real-time: expected with --application or a serial port"
-            );
-            let differences = semihosting::in_qemu(&replay, args.board)?;
-            (differences, args.board.to_string())
-        }
+        Target::Qemu => args.emulator.run(&replay, args.real_time)?,
     };
     print(format_args!(
         "{} of {} samples differ between host and {place}",
@@ -136,22 +121,5 @@ impl Replay<'_> {
             temps_c: std::array::from_fn(|channel| inputs[channel].temp_c[row]),
             raw: std::array::from_fn(|channel| inputs[channel].row(row)),
         })
-    }
-
-    /// Builds an image of the firmware for the set.
-    fn build(&self, board: Board, bin: &str, variant: &Variant) -> Result<PathBuf> {
-        let workspace = Workspace::find()?;
-        ensure_target_of(&workspace, board)?;
-        ensure_qemu(&workspace)?;
-        let folder = ScratchFolder::new()?;
-        let table = folder.path().join("table.rs");
-        std::fs::write(&table, table_rs(self.set))?;
-        Ok(build_variant(
-            &workspace,
-            board,
-            bin,
-            Some(&table),
-            variant,
-        )?)
     }
 }

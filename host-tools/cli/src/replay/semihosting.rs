@@ -6,6 +6,7 @@ use tempco_qemu::{Board, Variant, replay};
 use tempco_replay::{Header, Outcome, Record};
 use tempco_set::{TableData, TableUse, use_tables};
 
+use super::emulator::build;
 use super::{Differences, Replay};
 use crate::output::print;
 
@@ -13,7 +14,7 @@ use crate::output::print;
 pub(super) fn in_qemu(put: &Replay, board: Board) -> Result<Differences> {
     let tables: Vec<&TableData> = put.inputs.iter().map(|i| &i.channel.table).collect();
     let streams = use_tables(&tables, MakeStreams(put))??;
-    let image = put.build(board, "replay", &Variant::USUAL)?;
+    let image = build(put, board, "replay", &Variant::USUAL)?;
     let (outcomes, run) = replay(&image, board, &streams.samples)?;
     for line in &run.log {
         print(format_args!("{board}: {line}"))?;

@@ -1,0 +1,97 @@
+//! Through the firmware in QEMU: the compensators alone, or the whole application.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Result, ensure};
+use tempco_hil::{Patience, Unit, flash_set, open};
+use tempco_qemu::{
+    Board, Machine, MachineOptions, MachineTime, Variant, Workspace, build_variant, ensure_qemu,
+    ensure_target_of,
+};
+use tempco_set::files::ScratchFolder;
+use tempco_set::table_rs;
+
+use super::{Differences, Replay, hardware, semihosting};
+use crate::output::print;
+
+/// An instruction takes 32 ns of emulated time, about what the board's 25 MHz give it: load and
+/// latency do not depend on this machine.
+const TIME: MachineTime = MachineTime::Unbound { shift: 5 };
+
+#[derive(clap::Args)]
+pub(super) struct EmulatorArgs {
+    /// Of the emulator, the board to build for: mps2-an386, stm32f405, mps2-an500 or mps2-an505
+    #[arg(long, default_value = "mps2-an386")]
+    board: Board,
+    /// Of the emulator, run the whole application, as on a unit: write the set into it over its
+    /// serial link, and send the log the same way; without, the compensators alone, on files,
+    /// which is some 20 times faster
+    #[arg(long)]
+    application: bool,
+}
+
+impl EmulatorArgs {
+    /// Refuses what the emulator cannot do, before anything is read.
+    pub(super) fn check(&self, real_time: bool) -> Result<()> {
+        ensure!(
+            !self.application || self.board.has_application(),
+            "--board {}: expected mps2-an386 or mps2-an500, whose devices the emulator has",
+            self.board
+        );
+        ensure!(
+            self.application || !real_time,
+            "--real-time: expected with --application or a serial port"
+        );
+        Ok(())
+    }
+
+    /// Replays the log and says where.
+    pub(super) fn run(&self, put: &Replay, real_time: bool) -> Result<(Differences, String)> {
+        let differences = if self.application {
+            in_machine(put, self.board, real_time)?
+        } else {
+            semihosting::in_qemu(put, self.board)?
+        };
+        Ok((differences, self.board.to_string()))
+    }
+}
+
+/// On an emulated unit, into which the set is written first.
+fn in_machine(put: &Replay, board: Board, real_time: bool) -> Result<Differences> {
+    let elf = build(put, board, "unit", &Variant::APPLICATION)?;
+    let options = MachineOptions {
+        time: TIME,
+        ..MachineOptions::default()
+    };
+    let machine = Machine::start(&elf, board, &options)?;
+    let replayed = over_link(put, &machine.link(), real_time);
+    for line in machine.log() {
+        print(format_args!("{board}: {line}"))?;
+    }
+    replayed
+}
+
+fn over_link(put: &Replay, link: &Path, real_time: bool) -> Result<Differences> {
+    let mut unit = Unit::connect(open(link, 0)?, Patience::default())?;
+    // What is replayed is in the table's unit: the gyro of the emulator is not looked at.
+    let scale_factor = unit.scale_factor_arcsec()?.into();
+    let identity = flash_set(&mut unit, put.image.bytes(), Some(scale_factor), |_| {})?;
+    hardware::through(put, &mut unit, &identity, real_time)
+}
+
+/// Builds an image of the firmware for the set.
+pub(super) fn build(put: &Replay, board: Board, bin: &str, variant: &Variant) -> Result<PathBuf> {
+    let workspace = Workspace::find()?;
+    ensure_target_of(&workspace, board)?;
+    ensure_qemu(&workspace)?;
+    let folder = ScratchFolder::new()?;
+    let table = folder.path().join("table.rs");
+    std::fs::write(&table, table_rs(put.set))?;
+    Ok(build_variant(
+        &workspace,
+        board,
+        bin,
+        Some(&table),
+        variant,
+    )?)
+}
