@@ -49,6 +49,20 @@ pub fn tempco_path() -> &'static Path {
     PATH.get_or_init(|| built().join("tempco"))
 }
 
+/// The `tempco` command under test: the one at the path in `TEMPCO_COMMAND`, run by the program in
+/// `TEMPCO_RUNNER` if there is one, such as a build for Windows by wine. Else [`tempco_path`].
+pub fn tempco() -> Command {
+    let Some(path) = std::env::var_os("TEMPCO_COMMAND") else {
+        return Command::new(tempco_path());
+    };
+    let Some(runner) = std::env::var_os("TEMPCO_RUNNER") else {
+        return Command::new(path);
+    };
+    let mut command = Command::new(runner);
+    command.arg(path);
+    command
+}
+
 /// Path of an example of any package.
 ///
 /// # Panics
@@ -176,7 +190,7 @@ impl Bench {
     }
 
     fn command(&self, args: &str) -> Command {
-        let mut command = Command::new(tempco_path());
+        let mut command = tempco();
         command
             .current_dir(self.folder.path())
             .args(args.split_whitespace());

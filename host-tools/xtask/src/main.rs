@@ -10,6 +10,7 @@ mod prove;
 mod run;
 mod test;
 mod verify;
+mod windows;
 
 use std::process::ExitCode;
 
@@ -35,7 +36,7 @@ enum Task {
     Golden(golden::Args),
     /// The paper's tables on a simulated unit, next to the printed ones
     Paper(paper::Args),
-    /// Coverage, mutants and Miri, as far as their tools can be had: slow, not part of `test`
+    /// Coverage, mutants, Miri and Windows, as far as their tools can be had: slow, not part of `test`
     Verify(verify::Args),
     /// Executed instructions on the target, rows per second on the host
     Bench(bench::Args),

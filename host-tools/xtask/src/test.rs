@@ -4,6 +4,7 @@ use anyhow::{Result, ensure};
 use tempco_qemu::{Board, Workspace, ensure_qemu, ensure_target, ensure_target_of};
 
 use crate::run::{cargo, run as step, run_and_read};
+use crate::windows;
 
 const FIRMWARE: &str = "tempco-firmware";
 const TEST_IMAGES: &str = "tempco-test-images";
@@ -52,6 +53,7 @@ pub(crate) fn run() -> Result<()> {
         ensure_target_of(&workspace, board)?;
         lint_images(&workspace, board, &IMAGES, &["--bins"], "")?;
     }
+    let skipped = windows::lint(&workspace)?;
     let mut doc = cargo(&workspace, &["doc", "--workspace", "--no-deps", "--locked"]);
     step(&workspace, doc.env("RUSTDOCFLAGS", "-D warnings"))?;
 
@@ -62,6 +64,9 @@ pub(crate) fn run() -> Result<()> {
     );
     let (output, succeeded) = run_and_read(&workspace, &mut test)?;
     let [passed, failed] = ["passed", "failed"].map(|what| count(&output, what));
+    if let Some(skipped) = skipped {
+        println!("\nSKIPPED: {skipped}");
+    }
     println!("\n{passed} passed, {failed} failed");
     ensure!(succeeded && failed == 0, "tests failed");
     ensure!(passed > 0, "no test ran");

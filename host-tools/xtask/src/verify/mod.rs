@@ -1,4 +1,4 @@
-//! How thorough the tests of the core are, and what Miri says about them.
+//! How thorough the tests of the core are, what Miri says about them, and the command on Windows.
 //!
 //! Slow, and in need of tools that are not to be had everywhere: no part of the continuous checks.
 
@@ -7,6 +7,7 @@ mod miri;
 mod mutants;
 mod places;
 mod tools;
+mod windows;
 
 use std::fs;
 use std::path::PathBuf;
@@ -37,6 +38,8 @@ enum Gate {
     Mutants,
     /// The tests of the core run under Miri, little and big endian
     Miri,
+    /// The command for Windows does the main job under wine, with the same tables as here
+    Windows,
 }
 
 impl Gate {
@@ -46,6 +49,7 @@ impl Gate {
             Self::Mcdc => coverage::conditions(workspace),
             Self::Mutants => mutants::caught(workspace),
             Self::Miri => miri::both_endians(workspace),
+            Self::Windows => windows::under_wine(workspace),
         }
     }
 
