@@ -19,7 +19,7 @@ pub fn used() -> u32 {
     let mut word = &raw const _stack_end;
     // SAFETY: the linker script places `_stack_end` below `_stack_start`, both aligned to words,
     // and the RAM between them is the stack: mapped, painted by the start-up code, and read here
-    // as plain words. Reading is volatile, for the compiler knows of no object there.
+    // as plain words. Reading is volatile, since the compiler sees no object there.
     #[allow(unsafe_code)]
     unsafe {
         while word.addr() < start && word.read_volatile() == STACK_PAINT_VALUE {

@@ -23,7 +23,7 @@ pub struct Channel<'a> {
     pub t_max_c: f32,
     /// Unit of each axis, then `None`.
     pub units: [Option<Unit>; MAX_AXES],
-    /// The axes of the coldest cell, then those of the next.
+    /// The axes of the coldest cell, then all axes of the next.
     pub cells: &'a [Terms],
     /// Terms of the thermal history.
     pub history: ChannelHistory,

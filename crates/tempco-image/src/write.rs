@@ -44,7 +44,7 @@ pub fn encoded_len(channels: &[Channel]) -> usize {
 
 /// Writes an image to the start of `out` and returns its length.
 ///
-/// The tables are not validated here: an image is believed by what its reader finds.
+/// The tables are not validated here: the reader of an image validates it.
 ///
 /// # Errors
 /// A serial number, shape or number of cells that an image cannot hold, or too little room.

@@ -76,7 +76,7 @@ fn coefficients_are_checked() {
     }
 }
 
-/// Two plays of half width and gain, a slow part of time constant, limit and gain.
+/// Two plays of half width and gain, a second lag of time constant, limit and gain.
 #[test]
 fn history_terms_are_checked() {
     let (width, gain) = (&[f32::NAN, -0.001, 1001.0][..], &[f32::NAN, 2e20][..]);

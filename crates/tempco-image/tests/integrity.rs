@@ -48,7 +48,7 @@ fn flipped_bits_are_found() {
 
 /// All 3-bit flips of the header, whose CRC is at a fixed place, and of the example as one code
 /// word: what a flipped bit does to a CRC does not depend on the other bits, so three flips are
-/// missed only if the effect of one is the sum of those of the others.
+/// missed only if the effect of one is the sum of the other two.
 #[test]
 fn all_triples_of_flipped_bits_are_found() {
     for (bytes, len) in examples() {

@@ -28,9 +28,9 @@ pub enum Fault {
     SensorBus,
     /// A temperature sensor gives the same code for longer than its noise allows.
     SensorStuck,
-    /// A temperature changed faster than is believable, or is not a number.
+    /// A temperature changed too fast, or is not a number.
     TemperatureRejected,
-    /// There was no believable temperature for so long that only the constant bias is taken out.
+    /// No temperature was accepted for so long that only the constant bias is taken out.
     TemperatureLost,
     /// Temperature or rate lie outside the calibrated range.
     OutOfRange,

@@ -128,7 +128,7 @@ pub enum Response<'a> {
         major: u8,
         /// Minor version of the unit.
         minor: u8,
-        /// That of the request.
+        /// As in the request.
         nonce: u32,
         /// Number of the session, which all further requests bear.
         session: u32,
@@ -247,7 +247,7 @@ pub struct Outcome {
     pub compensated: Axes,
 }
 
-/// Gyro samples in place of those of the gyro, without gaps.
+/// Gyro samples in place of the gyro's own, without gaps.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct SampleBlock<'a> {
@@ -326,7 +326,7 @@ pub struct Losses {
 pub struct Telemetry {
     /// Number of the message since power-on, by which lost ones are seen.
     pub index: u32,
-    /// Time since power-on, later than that of the message before \[ms\].
+    /// Time since power-on, later than in the message before \[ms\].
     pub uptime_ms: u32,
     /// Measured temperatures; NaN where there is none \[degC\].
     pub temps_c: Channels<f32>,

@@ -138,14 +138,14 @@ fn a_replayed_session_carries_nothing_out() {
     }
     feed(&mut server, &mut unit, &recorded);
     assert_eq!(unit.done.len(), 3);
-    // At once, and after another session; and by a server that was started anew.
+    // At once, and after another session; and by a server that was restarted.
     feed(&mut server, &mut unit, &recorded);
     let mut second = connected(&mut server, &mut unit, 6);
     feed(&mut server, &mut unit, &recorded);
     assert_eq!(unit.done.len(), 3);
     feed(&mut Server::new(65_536), &mut unit, &recorded);
     assert_eq!(unit.done.len(), 3);
-    // The host learns of it and begins anew.
+    // The host learns of it and begins again.
     let answer = ask(&mut second, &mut server, &mut unit, &Request::Bit);
     assert_eq!(answer, "Refused(Session)");
     let mut third = connected(&mut server, &mut unit, 7);

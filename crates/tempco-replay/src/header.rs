@@ -81,7 +81,7 @@ impl Header {
     /// Reads a header from the start of `bytes`.
     ///
     /// # Errors
-    /// Too few bytes, a magic that is none of ours, or a version that is not [`VERSION`].
+    /// Too few bytes, an unknown magic, or a version that is not [`VERSION`].
     pub fn decode(bytes: &[u8]) -> Result<Self, HeaderError> {
         let Some(bytes) = bytes.first_chunk::<{ Self::LEN }>() else {
             return Err(HeaderError::Short { given: bytes.len() });

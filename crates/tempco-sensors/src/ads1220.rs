@@ -133,7 +133,7 @@ impl<SPI: SpiDevice> Ads1220<SPI> {
     /// [`SensorFault::Bus`]; [`SensorFault::Rail`] for either end of the range, beyond which it was.
     pub fn read_share(&mut self) -> Result<f64, SensorFault> {
         let [b2, b1, b0] = self.command_and_read(READ_DATA)?;
-        // The sign of the upper byte becomes that of the number.
+        // The sign bit of the upper byte is the sign of the number.
         let code = i32::from_be_bytes([b2, b1, b0, 0]) >> 8;
         if matches!(code, 0x7f_ffff | -0x80_0000) {
             return Err(SensorFault::Rail);

@@ -6,8 +6,8 @@
 //! | thermistor (NTC) | ADS1220 ([`Ads1220`]) | [`Divider`], [`Thermistor`]: Steinhart-Hart |
 //! | digital | TMP117 ([`Tmp117`]) | none |
 //!
-//! A reading is a temperature \[degC\] or a [`SensorFault`]; [`for_core`] makes of it what the
-//! compensator takes. Nothing waits for a conversion: it is started, and read when it is due. What
+//! A reading is a temperature \[degC\] or a [`SensorFault`]; [`for_core`] turns it into what
+//! the compensator takes. Nothing waits for a conversion: it is started, and read when due. What
 //! the chips want in microseconds and less is waited for: by the drivers within a selection, by
 //! [`ChipSelect`] around it.
 //!

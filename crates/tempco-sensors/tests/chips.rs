@@ -1,4 +1,4 @@
-//! The drivers byte by byte on mocked buses: what they write, and what they make of the answers.
+//! The drivers byte by byte on mocked buses: what they write, and how they read the answers.
 
 use std::cell::RefCell;
 use std::convert::Infallible;

@@ -4,7 +4,7 @@
 //! Each of two slots holds a flash image (see `tempco-image`) and behind it a few *entries*, each
 //! of which says that the image was whole, validated and chosen. The entry with the highest
 //! sequence number names the table in use. An update touches the other slot only, and becomes
-//! valid with its last write, that of the entry:
+//! valid with its last write, the entry:
 //!
 //! ```text
 //! begin: erase the sector with the entries of the slot not in use
@@ -14,7 +14,7 @@
 //!
 //! So a power cut at any operation leaves the old table or the new one. Choosing the other slot
 //! ([`Store::select`], the roll-back) programs one more entry there and nothing else. An entry
-//! that a cut has torn is not believed, be it wrong or unreadable, and its place is not used again.
+//! that a cut has torn is not used, be it wrong or unreadable, and its place is not used again.
 //!
 //! # Layout of a slot
 //!

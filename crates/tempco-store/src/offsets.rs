@@ -21,7 +21,7 @@ const WORDS: usize = 3 + MAX_AXES;
 /// In place of the bias of an axis that there is not.
 const NO_AXIS: u32 = u32::MAX;
 
-/// Constant biases of up to six axes, which are taken out besides those of the table.
+/// Constant biases of up to six axes, taken out in addition to the table.
 pub struct Offsets<const AXES: usize> {
     journal: Journal<WORDS>,
     /// CRC of the table, and the biases.
@@ -43,8 +43,8 @@ impl<const AXES: usize> Offsets<AXES> {
     /// The offsets to take out of the outcomes of a table: 0 where the ones that were set belong to
     /// another table, or none were set \[unit of the axis\].
     ///
-    /// `table_crc` is that of the image's [`Info`](tempco_image::Info): re-zero finds what a
-    /// table leaves, so that its offsets are worth nothing with another table.
+    /// `table_crc` is in the image's [`Info`](tempco_image::Info): re-zero finds what a
+    /// table leaves, so its offsets are worth nothing with another table.
     pub fn of(&self, table_crc: u32) -> [f32; AXES] {
         match self.latest {
             Some((crc, offsets)) if crc == table_crc => offsets,

@@ -22,7 +22,7 @@ fn open<F: NorFlash>(flash: &mut F, len: u32) -> Offsets<AXES> {
     Offsets::open(flash, region).unwrap()
 }
 
-/// The offsets that are told apart by a number: different on every axis.
+/// The offsets of a number: different on every axis.
 fn number(n: u32) -> [f32; AXES] {
     [n, n + 1000, n + 2000].map(|n| n as f32)
 }

@@ -320,7 +320,7 @@ fn the_periodic_check_finds_what_happens_after_boot() {
         flash.flip(8 * 1024 + bit);
     }
     assert_eq!(check_all(&mut store, &mut flash), good);
-    // A slot that is being written is passed over, and a check that was under way begins anew.
+    // A slot that is being written is passed over, and a check that was under way begins again.
     assert_eq!(store.check(&mut flash, 1), Checked::Underway(Slot::A));
     store.begin(&mut flash, IMAGE_LEN).unwrap();
     let during = [Checked::Passed(Slot::A), Checked::Good(Slot::B)];

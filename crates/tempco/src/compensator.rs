@@ -66,7 +66,7 @@ pub struct Output<const AXES: usize> {
     pub bias: [f32; AXES],
     /// Where the model was evaluated.
     pub point: ThermalPoint,
-    /// Remarks on the temperature, the range and the gyro samples.
+    /// Flags of the temperature, the range and the gyro samples.
     pub status: Status,
 }
 

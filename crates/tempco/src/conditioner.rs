@@ -1,4 +1,4 @@
-//! Decides which temperatures to believe, before anything is differentiated.
+//! Decides which temperatures to accept, before anything is differentiated.
 
 use crate::Thermal;
 use crate::interval::Interval;
@@ -47,7 +47,7 @@ impl Conditioner {
         }
     }
 
-    /// Believes a first temperature, if the sensor can report it.
+    /// Accepts a first temperature, if the sensor can report it.
     pub(crate) fn start(thermal: &Thermal, temp_c: f32) -> Option<Self> {
         let in_range = Self::beyond_sensor(thermal, temp_c).0 >= 0;
         in_range.then_some(Self {
@@ -83,8 +83,8 @@ impl Conditioner {
         let implausible = Sign::above(change, gate);
         let rejected = impossible | implausible;
 
-        let anew = Sign::above(change, interval.near) | Sign::above(age, thermal.restart_ticks);
-        let restart = anew & !rejected;
+        let fresh = Sign::above(change, interval.near) | Sign::above(age, thermal.restart_ticks);
+        let restart = fresh & !rejected;
 
         self.age = rejected.keep(age);
         let lost = Sign::above(self.age, thermal.hold_ticks);
@@ -100,7 +100,7 @@ impl Conditioner {
         Conditioned {
             temp_c: self.temp_c,
             change_c,
-            moved: left | !anew,
+            moved: left | !fresh,
             lost,
             settling: Sign(self.settled),
             impossible,

@@ -5,9 +5,9 @@
 //!
 //! They follow the lag-compensated temperature, faults and all: while it ramps to the reference because
 //! the temperature was lost, so do the contact and, in its time, the lagging part. Each term is
-//! bounded by its gain and its half width or limit, and moves no faster than the effective
-//! temperature, so that neither a fault nor a return makes a step; after an interval of more than
-//! half its time constant a lag begins again at zero.
+//! bounded by its gain and its half width or limit, and moves no faster than the
+//! lag-compensated temperature, so that neither a fault nor a return makes a step. After an
+//! interval of more than half its time constant a lag begins again at zero.
 
 use core::hint::select_unpredictable;
 
@@ -50,7 +50,7 @@ pub struct Play<const AXES: usize> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct SlowPart<const AXES: usize> {
-    /// Its time constant \[s\], from that of the rate estimator to 60000.
+    /// Its time constant \[s\], from the rate estimator's to 60000.
     pub tau_s: f32,
     /// The largest lag that was calibrated, 0 to 1000 \[degC\].
     pub limit_c: f32,

@@ -32,7 +32,7 @@ pub struct Interval {
     pub(crate) rate_gain_per_min: f32,
     /// How far the lag-compensated temperature may move in this time \[bits of degC\].
     pub(crate) slew: i32,
-    /// A believable jump, without what the part can have moved \[degC\]. Negative infinity if
+    /// Largest accepted jump, without what the part can have moved \[degC\]. Negative infinity if
     /// no time has passed: a temperature without time is not accepted.
     pub(crate) gate_c: f32,
     pub(crate) status: Status,

@@ -10,7 +10,7 @@
 //!
 //! ```text
 //! temperature -> conditioner -> estimator -> thermal -> table -> compensator -> compensated
-//!                (believable?)  (T', lag)    (u, T')    (bias)   (raw - bias)   + bias + status
+//!                (accepted?)    (T', lag)    (u, T')    (bias)   (raw - bias)   + bias + status
 //!                                               |                   ^
 //!                                               +---> history ------+
 //!                                             (where u has been, if the set has them)

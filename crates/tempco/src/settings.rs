@@ -17,9 +17,10 @@ pub struct ThermalSettings {
     pub sensor_min_c: f32,
     /// Highest temperature the sensor can report \[degC\].
     pub sensor_max_c: f32,
-    /// Largest believable jump between neighbouring temperatures beyond `max_slew_c_per_min`
-    /// \[degC\]: noise and quantisation of the sensor, generously. Also how far the effective
-    /// temperature may be from where it ramps to without [`SETTLING`](crate::Status::SETTLING).
+    /// Largest accepted jump between neighbouring temperatures beyond `max_slew_c_per_min`
+    /// \[degC\]: noise and quantisation of the sensor, generously. Also how far the
+    /// lag-compensated temperature may be from where it ramps to without
+    /// [`SETTLING`](crate::Status::SETTLING).
     pub spike_gate_c: f32,
     /// Fastest change the part can undergo \[degC/min\]. Bounds what is accepted after a fault,
     /// and the speed at which the lag-compensated temperature, and with it the bias, may move (but for
@@ -44,7 +45,7 @@ pub struct ThermalSettings {
 }
 
 impl ThermalSettings {
-    /// What the fit starts from: a sensor range of -60 to 150 degC, believable jumps of 2 degC
+    /// What the fit starts from: a sensor range of -60 to 150 degC, accepted jumps of 2 degC
     /// beyond 30 degC/min, 60 s of hold, a 60 s estimator without shift.
     pub const DEFAULT: Self = Self {
         sensor_min_c: -60.0,

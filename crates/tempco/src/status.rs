@@ -42,9 +42,9 @@ impl Status {
     pub const OK: Self = Self(0);
     /// The temperature was not finite or outside the sensor's range; the last good one is held.
     pub const TEMPERATURE_INVALID: Self = Self(1 << 0);
-    /// The temperature changed faster than is believable; the last good one is held.
+    /// The temperature changed too fast; the last good one is held.
     pub const TEMPERATURE_SPIKE: Self = Self(1 << 1);
-    /// No believable temperature for longer than the hold time: the bias ramps to, and stays at,
+    /// No accepted temperature for longer than the hold time: the bias ramps to, and stays at,
     /// its value at the reference temperature.
     pub const TEMPERATURE_LOST: Self = Self(1 << 2);
     /// A start, restart or rejected temperature lies so little back that the rate estimate may

@@ -15,7 +15,7 @@ pub struct ThermalPoint {
     pub effective_c: f32,
     /// Rate of temperature, clamped to the calibrated range \[degC/min\].
     pub rate_c_per_min: f32,
-    /// Remarks on the temperature.
+    /// Flags of the temperature.
     pub status: Status,
 }
 

@@ -100,7 +100,7 @@ impl<'t, const AXES: usize, const PLAYS: usize, const SLOW: usize>
         self.point
     }
 
-    /// Remarks on the temperature, the range and late updates. Gyro samples are checked apart, by
+    /// Flags of the temperature, the range and late updates. Gyro samples are checked apart, by
     /// [`Status::of_raw`].
     #[inline(always)]
     pub fn status(&self) -> Status {

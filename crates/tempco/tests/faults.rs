@@ -11,7 +11,7 @@ const SPIKE: Status = Status::TEMPERATURE_SPIKE;
 const LOST: Status = Status::TEMPERATURE_LOST;
 const SETTLING: Status = Status::SETTLING;
 
-/// Codes at a rail of the sensor, and what a division by a dead reference makes of them.
+/// Codes at a rail of the sensor, and their quotients with a dead reference.
 const BROKEN: [f32; 9] = [
     f32::NAN,
     -f32::NAN,

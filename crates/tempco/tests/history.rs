@@ -105,7 +105,7 @@ proptest! {
         prop_assert!((distance - direction * width).abs() < 1e-4, "{distance} of {width}");
     }
 
-    /// The bias is that of the table, and to it come the gains times what the terms are on their own.
+    /// The bias is the table's, plus the gains times what the terms are on their own.
     #[test]
     fn terms_are_added_to_the_bias_of_the_table(
         walk in prop::collection::vec((-5.0_f32..5.0, 0.1_f32..40.0), 1..200),

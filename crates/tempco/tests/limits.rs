@@ -27,7 +27,7 @@ fn believes(thermal: &Thermal, temp_c: f32) -> bool {
     state.restarts() == 1
 }
 
-/// Each name is that of the setting in its place, in both directions.
+/// Each name belongs to the setting in its place, in both directions.
 #[test]
 fn settings_are_an_array_with_names_and_back() {
     let values = SETTINGS.to_array();

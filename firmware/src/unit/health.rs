@@ -91,7 +91,7 @@ impl Health {
 }
 
 /// The rule by which the watchdog is fed: the main loop asks, and the thermometers were read since
-/// it asked last. Time is that of the sampling interrupt, so without it nothing is fed either.
+/// it asked last. The sampling interrupt counts the time, so without it nothing is fed either.
 pub struct LiveNess {
     looked_ms: u32,
     readings: u32,

@@ -13,7 +13,7 @@ use tempco_store::{Boot, Region, Store, StoreError};
 
 pub(crate) const SERIAL: &str = "SN7";
 
-/// An image of a number of cells, told apart by `version`, and its length.
+/// An image of a number of cells, marked by `version`, and its length.
 pub(crate) fn image_of(serial: &str, cells: usize, version: u32) -> Vec<u8> {
     let cells = vec![Terms::new([version as f32, 0.0, 0.0], [0.5, 0.0]); cells];
     let channel = Channel {

@@ -19,7 +19,7 @@ pub type BoardFlash = Nor<'static>;
 
 pub use crate::idle::stay_awake as idle;
 
-/// Rate of [`free_running`], which is that of the processor \[Hz\].
+/// Rate of [`free_running`], the processor's \[Hz\].
 pub const FREE_RUNNING_HZ: u32 = 25_000_000;
 /// Its largest value.
 pub const FREE_RUNNING_MAX: u32 = u32::MAX;

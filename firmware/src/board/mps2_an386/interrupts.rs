@@ -41,7 +41,7 @@ unsafe extern "C" {
 
 /// What the linker puts behind the exceptions in the vector table.
 // SAFETY: the linker script of the runtime asks for a symbol of this name and section, and nothing
-// else defines it where the runtime's feature `device` is on; its layout is that of the vectors.
+// else defines it where the runtime's feature `device` is on; it is laid out as the vectors are.
 #[allow(unsafe_code)]
 #[unsafe(link_section = ".vector_table.interrupts")]
 #[unsafe(no_mangle)]

@@ -35,7 +35,7 @@ const TIMER_ENABLE: u32 = 1;
 const WATCHDOG_ENABLE: u32 = 1;
 const WATCHDOG_RESET: u32 = 2;
 
-// SAFETY: the addresses are those of the devices in Arm's Application Note AN386, mapped for
+// SAFETY: the addresses are the devices' in Arm's Application Note AN386, mapped for
 // ever, aligned to words, and of registers that are accessed by volatile words only. The PSRAM
 // is RAM that the linker does not use; any bits are an `AtomicU32`.
 #[allow(unsafe_code)]

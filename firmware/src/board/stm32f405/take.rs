@@ -51,7 +51,7 @@ pub fn take(
 }
 
 /// Sets the board up; once, then `None`. The sampling interrupt is SysTick, and gets a priority
-/// below that of the link.
+/// below the link's.
 pub fn set_up(core: &mut Peripherals) -> Option<Stm32f405> {
     let chip = pac::Peripherals::take()?;
     let reset_cause = reset::cause(chip.RCC.csr().read().bits());

@@ -2,7 +2,7 @@
 //!
 //! Every input is measured by `tempco_test_images::measure` in many calls from the same state, and the
 //! cost of measuring is measured with an empty function and taken off. A line is `bench NAME MIN MAX`, in instructions
-//! per call beyond those of the empty function, over all inputs; or `size NAME BYTES`.
+//! per call beyond the empty function, over all inputs; or `size NAME BYTES`.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(not(target_os = "none"))]

@@ -1,4 +1,4 @@
-//! Image and program `golden SAMPLES`: hashes of what the core makes of so many samples.
+//! Image and program `golden SAMPLES`: hashes of the core's outputs for so many samples.
 //!
 //! A line is `golden SAMPLES HASH HASH`, after each million and at the end; 0 is the run on
 //! subnormal numbers. The second hash is of the table with terms of the thermal history. This is the

@@ -1,4 +1,4 @@
-//! Golden vectors: samples made of integers, and a hash of every bit the core makes of them.
+//! Golden vectors: samples made of integers, and a hash of every bit of the core's outputs.
 //!
 //! Host and targets run this very code. Equal hashes say that no bit of any output differed; the
 //! hash is taken after each million samples, so a difference is found to within a million. Before
