@@ -48,10 +48,10 @@
 ;@ claim time: kept as it is, infinity included, or 0 if none has passed
 (and (same |interval'.dt_s| real_s) (fp.leq zero |interval'.dt_s|))
 
-;@ claim gap: after a gap the estimator begins anew and gives no rate
+;@ claim gap: after a gap the estimator begins again and gives no rate
 (=> gap (and (fp.eq |interval'.alpha| one) (fp.eq |interval'.rate_gain_per_min| zero)))
 
-;@ claim factors abstract: without a gap, the share of the filter and the gain of the rate are those of the documented series
+;@ claim factors abstract: without a gap, the share of the filter and the gain of the rate follow the documented series
 (let ((x (fp.mul RNE |thermal.per_tau_hz| real_s)))
 (let ((half (fp.mul RNE x ((_ to_fp 8 24) RNE 0.5)))
       (third (fp.mul RNE x (fp.div RNE one ((_ to_fp 8 24) RNE 3.0))))
@@ -64,7 +64,7 @@
     (= |interval'.rate_gain_per_min|
        (fp.mul RNE (fp.mul RNE |thermal.per_tau_hz| ((_ to_fp 8 24) RNE 60.0)) share)))))))
 
-;@ claim slew: from 0 to a finite figure, and not below 2e-5 degC if time has passed
+;@ claim slew: from 0 to a finite number, and not below 2e-5 degC if time has passed
 (and (within ((_ to_fp 8 24) |interval'.slew|) zero ((_ to_fp 8 24) RNE 500001.0))
      (=> forward (fp.geq ((_ to_fp 8 24) |interval'.slew|) ((_ to_fp 8 24) RNE 0.00002))))
 

@@ -18,7 +18,7 @@
 ;@ assume state: the invariant, which HistoryState::new establishes
 (within |contact.contacts_c| (fp.neg contact_bound) contact_bound)
 
-;@ claim contact: stays where it is if the effective temperature is within the half width, else follows at that distance
+;@ claim contact: stays where it is if the lag-compensated temperature is within the half width, else follows at that distance
 (= |contact'.contacts_c|
   (ite (fp.lt |contact.contacts_c| cold_c) cold_c
   (ite (fp.gt |contact.contacts_c| hot_c) hot_c |contact.contacts_c|)))

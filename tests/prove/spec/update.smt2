@@ -84,15 +84,15 @@
     (fp.mul RNE |thermal.slew_c_per_tick| ((_ to_fp 8 24) RNE spec_age))))
 (define-fun change_c () F32 (fp.sub RNE |temp_c| |state.conditioner.temp_c|))
 (define-fun plausible () Bool (fp.leq (fp.abs change_c) (ite was_lost near_c far_c)))
-(define-fun believed () Bool (and in_range plausible))
-(define-fun anew () Bool
+(define-fun accepted () Bool (and in_range plausible))
+(define-fun fresh () Bool
   (or (fp.gt (fp.abs change_c) near_c) (bvsgt spec_age |thermal.restart_ticks|)))
-(define-fun restart () Bool (and believed anew))
+(define-fun restart () Bool (and accepted fresh))
 (define-fun lost () Bool (bvsgt |state'.conditioner.age| |thermal.hold_ticks|))
-; A reading that is not believed is gone on with only once the temperature is lost.
+; A reading that is not accepted is gone on with only once the temperature is lost.
 (define-fun taken () Bool (and in_range (or plausible lost)))
 (define-fun filtered () F32
-  (ite (and taken anew) (fp.add RNE change_c |state.estimator.filtered.value|) |state.estimator.filtered.value|))
+  (ite (and taken fresh) (fp.add RNE change_c |state.estimator.filtered.value|) |state.estimator.filtered.value|))
 (define-fun lag_c () F32
   (fp.sub RNE (fp.sub RNE |state'.conditioner.temp_c| filtered) |state.estimator.filtered.remainder|))
 (define-fun memory_lag () F32
@@ -124,22 +124,22 @@
 ;@ claim change: the change of a temperature in range is a number
 (=> in_range (finite change_c))
 
-;@ claim belief abstract by far,near,change: the temperature is taken if believed or to be confirmed, else it is what it was, NaN and infinite included
+;@ claim belief abstract by far,near,change: the temperature is taken if accepted or to be confirmed, else it is what it was, NaN and infinite included
 (= |state'.conditioner.temp_c| (ite taken |temp_c| |state.conditioner.temp_c|))
 
-;@ claim age abstract by far,near,change: ticks since the last believed temperature
-(= |state'.conditioner.age| (ite believed (_ bv0 32) spec_age))
+;@ claim age abstract by far,near,change: ticks since the last accepted temperature
+(= |state'.conditioner.age| (ite accepted (_ bv0 32) spec_age))
 
 ;@ claim settling abstract by far,near,change: begins at a restart, is extended by rejections and else runs down
 (let ((healing (difference |thermal.healing| |state.conditioner.age|)))
   (= |state'.conditioner.settled|
     (ite restart |thermal.settling|
-    (ite believed (sum |state.conditioner.settled| |interval.ticks|)
+    (ite accepted (sum |state.conditioner.settled| |interval.ticks|)
     (ite (bvslt |state.conditioner.settled| healing) |state.conditioner.settled| healing)))))
 
 ;@ claim counters abstract by far,near,change: rejections and restarts are counted, each by one
 (and
-  (= |state'.conditioner.rejected| (bvadd |state.conditioner.rejected| (ite believed (_ bv0 32) (_ bv1 32))))
+  (= |state'.conditioner.rejected| (bvadd |state.conditioner.rejected| (ite accepted (_ bv0 32) (_ bv1 32))))
   (= |state'.conditioner.restarts| (bvadd |state.conditioner.restarts| (ite restart (_ bv1 32) (_ bv0 32)))))
 
 ;@ claim flag_invalid abstract by far,near,change: TEMPERATURE_INVALID if and only if NaN or out of the sensor's range
@@ -151,7 +151,7 @@
 ;@ claim flag_lost: TEMPERATURE_LOST if and only if the age exceeds the hold time
 (= (flag |status'.value| (_ bv4 16)) lost)
 
-;@ claim flag_interval: INTERVAL_INVALID is that of the interval, and no other flag is ever set
+;@ claim flag_interval: INTERVAL_INVALID follows the interval, and no other flag is ever set
 (= (bvand |status'.value| (bvnot (_ bv79 16))) |interval.status|)
 
 ;@ claim memory_equation abstract: the share of the memory follows the equations of the filter, for a step to 1
@@ -201,13 +201,13 @@
     (same |state'.estimator.filtered.remainder|
       (fp.sub RNE increment (fp.sub RNE |state'.estimator.filtered.value| filtered)))))
 
-;@ claim slew abstract by way: the effective temperature moves towards its target by a step of the slew at most, rounded once
+;@ claim slew abstract by way: the lag-compensated temperature moves towards its target by a step of the slew at most, rounded once
 (and
   (within spec_step (fp.neg slew_c) slew_c)
   (=> (fp.leq (fp.abs way_c) slew_c) (= spec_step way_c))
   (same |state'.effective_c| (fp.add RNE |state.effective_c| spec_step)))
 
-;@ claim output: the effective temperature given is the one kept, and the rate is in its range
+;@ claim output: the lag-compensated temperature given is the one kept, and the rate is in its range
 (and
   (same |effective_c'.value| |state'.effective_c|)
   (within |rate_c_per_min'.value| |thermal.settings.rate_min_c_per_min| |thermal.settings.rate_max_c_per_min|))
@@ -222,7 +222,7 @@
 (and (within |state'.conditioner.temp_c| (fp.neg temp_bound) temp_bound)
      (bvsle (_ bv0 32) |state'.conditioner.age|))
 
-;@ claim kept_effective: the invariant of the effective temperature is kept
+;@ claim kept_effective: the invariant of the lag-compensated temperature is kept
 (within |state'.effective_c| (fp.neg effective_bound) effective_bound)
 
 ;@ claim kept_filtered: the invariant of the filtered temperature is kept

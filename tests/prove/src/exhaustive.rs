@@ -1,4 +1,4 @@
-//! Every f32 there is as effective temperature, against exact arithmetic.
+//! Every f32 as lag-compensated temperature, against exact arithmetic.
 
 use anyhow::{Context, Result, bail, ensure};
 use tempco::{Table, ThermalPoint};
@@ -18,7 +18,7 @@ pub struct Worst {
 /// Passes every f32 but NaN to the core, at the lowest, zero and highest rate.
 ///
 /// # Errors
-/// A place out of range, a temperature outside whose place is not that of the nearest end, a bias
+/// A place out of range, a temperature outside whose place is not the nearest end, a bias
 /// that is not finite, or an error beyond the rounding bound.
 pub fn check(data: &TableData, axis: usize, threads: u64) -> Result<Worst> {
     let cells = data.terms::<1>(axis);

@@ -15,7 +15,7 @@ pub struct Mutant {
 
 /// Every single change of the kinds below.
 pub fn mutants(function: &Function) -> Vec<Mutant> {
-    let mut mutants: Vec<Mutant> = nan_believed(function).into_iter().collect();
+    let mut mutants: Vec<Mutant> = nan_accepted(function).into_iter().collect();
     for (number, block) in function.blocks.iter().enumerate() {
         for (place, instruction) in block.instructions.iter().enumerate() {
             for (what, op) in changes(&instruction.op) {
@@ -33,7 +33,7 @@ pub fn mutants(function: &Function) -> Vec<Mutant> {
 }
 
 /// Every comparison true of NaN: where two of them guard each other, one alone shows nothing.
-fn nan_believed(function: &Function) -> Option<Mutant> {
+fn nan_accepted(function: &Function) -> Option<Mutant> {
     let mut changed = function.clone();
     for instruction in changed
         .blocks

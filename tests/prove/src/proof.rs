@@ -44,7 +44,7 @@ impl Code {
     }
 }
 
-/// A specification beside the code it is about.
+/// A specification and the code it is about.
 #[derive(Clone, Debug)]
 pub struct Problem {
     /// The specification.

@@ -1,4 +1,4 @@
-//! The translator on small pieces of LLVM IR: what it makes of them, and what it refuses.
+//! The translator on small pieces of LLVM IR: its output, and what it refuses.
 
 use tempco_prove::ir::{Unsupported, parse_functions};
 use tempco_prove::mutant::mutants;

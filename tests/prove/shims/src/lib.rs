@@ -32,7 +32,7 @@ pub fn prove_interval(thermal: &Thermal, dt_s: f32, interval: &mut Interval) {
     *interval = Interval::new(thermal, dt_s);
 }
 
-/// The cell of an effective temperature.
+/// The cell of a lag-compensated temperature.
 #[unsafe(no_mangle)]
 pub fn prove_place(
     table: &Table<'_, 1>,

@@ -48,7 +48,7 @@ impl<'a> Words<'a> {
         }
     }
 
-    /// Takes those of the given words that come next.
+    /// Takes the given words as far as they come next.
     pub(super) fn flags(&mut self, known: &[&str]) -> Vec<String> {
         let mut flags = Vec::new();
         while let Some(word) = self.peek().filter(|word| known.contains(word)) {

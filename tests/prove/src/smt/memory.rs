@@ -41,7 +41,7 @@ pub struct Field {
 /// What a pointer argument points to.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Object {
-    /// Its name in the specification, and that of the parameter.
+    /// The name of the parameter, which the specification uses too.
     pub name: String,
     /// Its fields.
     pub fields: Vec<Field>,
