@@ -210,7 +210,7 @@ const CASES: [Case; 26] = [
         ..PLAIN
     },
     Case {
-        name: "no better than none where it was left out",
+        name: "no help where it was left out",
         change: |set| held_out(set, &[("chosen", 1.0)]),
         codes: &["held_out_no_better"],
         ..PLAIN

@@ -68,8 +68,7 @@ fn a_worse_set_is_rejected_by_exit_code() {
     bench.ok("evaluate set/coefficients.json log.csv");
     let ran = bench.run("evaluate set/coefficients.json turned.csv");
     assert_eq!(ran.code, 1);
-    let said =
-        "rejected, no_better_than_none: axis x: compensation is no better than none on turned.csv";
+    let said = "rejected, no_better_than_none: axis x: compensation does not help on turned.csv";
     assert!(ran.err.contains(said), "{}", ran.err);
 }
 

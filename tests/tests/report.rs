@@ -155,7 +155,7 @@ fn the_page_rejects_what_does_harm_and_trusts_no_name() {
     assert_eq!(ran.code, 1, "{}{}", ran.out, ran.err);
     let rejected = page("turned.html");
     assert!(rejected.contains("verdict reject"));
-    assert!(rejected.contains("axis z: compensation is no better than none on turned.csv"));
+    assert!(rejected.contains("axis z: compensation does not help on turned.csv"));
     bench.ok("evaluate set/coefficients.json log.csv --report log.html");
     assert!(page("log.html").contains("Not verified on a log"));
 }

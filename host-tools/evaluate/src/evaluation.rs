@@ -20,7 +20,7 @@ use crate::stability::Stability;
 /// Averaging times that can be asked for \[s\]: from the shortest time between rows to decades.
 pub const TAU_RANGE_S: RangeInclusive<f64> = 1e-4..=1e9;
 
-/// Averaging times at which the bias stability is always stated \[s\], beside the one asked for.
+/// Averaging times at which the bias stability is always stated \[s\], with the one asked for.
 const TAUS_S: [f64; 2] = [10.0, 100.0];
 
 /// How a set does on a log.
@@ -264,7 +264,7 @@ struct Judged<'a> {
     /// Among all axes.
     number: usize,
     channel: &'a ChannelSet,
-    /// Among those of the channel.
+    /// Its place in the channel.
     of_channel: usize,
 }
 

@@ -1,4 +1,4 @@
-//! The Allan deviations are those of the Python package allantools 2024.6.
+//! The Allan deviations equal the results of the Python package allantools 2024.6.
 //!
 //! `tests/allan/reference.py` wrote `tests/allan/reference.csv` from the series made here.
 

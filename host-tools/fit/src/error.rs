@@ -101,7 +101,7 @@ pub enum FitError {
     },
     /// The equations of all segments together cannot be solved.
     #[error(
-        "the logs cannot tell the coefficients of a spline of {segments} segments apart: choose \
+        "the logs cannot separate the coefficients of a spline of {segments} segments: choose \
          fewer by --segments"
     )]
     Spline {

@@ -1,7 +1,7 @@
 //! How well a finished set does on the logs it was fitted to, beside a plain cubic in T.
 //!
 //! All figures are of the rows that entered the blocks. Within a block the bias of any model is
-//! taken as constant: what the rows leave beside the mean of their block is the same with and
+//! taken as constant: the spread of rows about the mean of their block is the same with and
 //! without compensation.
 
 use tempco::{HistoryState, Table, TableError};

@@ -1,4 +1,4 @@
-//! The applied bias against the truth, on programmes that were not fitted.
+//! The applied bias against the truth, on chamber runs that were not fitted.
 
 mod worlds;
 
@@ -6,7 +6,7 @@ use tempco_fit::{FitOptions, Method, SegmentModel, SegmentOverlap, SplineSearch,
 use tempco_set::run::apply;
 use tempco_set::{CoefficientSet, Model};
 
-use worlds::{Programme, Random, Run, World, simulate};
+use worlds::{ChamberRun, Random, Run, World, simulate};
 
 const PAPER_SEGMENTS: &str = "-15:15,5:35,25:60,50:80";
 
@@ -76,12 +76,12 @@ struct Ratios {
     first_minutes: f64,
 }
 
-fn ratios(world: World, programme: Programme, model: Model) -> Ratios {
+fn ratios(world: World, chamber_run: ChamberRun, model: Model) -> Ratios {
     let (mut found, mut first) = (Vec::new(), Vec::new());
     for unit in 1..=3 {
-        let train = simulate(world, programme, unit, 1);
-        let judge = simulate(world, Programme::Verification, unit, 2);
-        let mid_ramp = simulate(world, Programme::MidRamp, unit, 3);
+        let train = simulate(world, chamber_run, unit, 1);
+        let judge = simulate(world, ChamberRun::Verification, unit, 2);
+        let mid_ramp = simulate(world, ChamberRun::MidRamp, unit, 3);
         let [paper, set] = [Model::Composite, model].map(|model| fitted(model, &train));
         let (before, after) = (whole(&paper, &judge), whole(&set, &judge));
         println!(
@@ -116,7 +116,7 @@ fn ratios(world: World, programme: Programme, model: Model) -> Ratios {
         first_minutes: geometric_mean(&first),
     };
     println!(
-        "{world:?} {programme:?} {}: ratio to the composite {:.3}, worst axis {:.3}; first ten \
+        "{world:?} {chamber_run:?} {}: ratio to the composite {:.3}, worst axis {:.3}; first ten \
          minutes in mid-ramp {:.3}",
         model.name(),
         ratios.mean,
@@ -129,10 +129,10 @@ fn ratios(world: World, programme: Programme, model: Model) -> Ratios {
 /// `spline` and `auto` agree in what they choose here, and auto takes longer.
 #[test]
 fn outside_the_family_the_error_is_little_more_than_a_third_of_the_composites() {
-    let full = ratios(World::Full, Programme::ManyRates, Model::Auto);
+    let full = ratios(World::Full, ChamberRun::ManyRates, Model::Auto);
     assert!(full.mean <= 0.38 && full.worst <= 0.75);
     assert!(full.first_minutes <= 1.0);
-    let lagged = ratios(World::Lagged, Programme::ManyRates, Model::Auto);
+    let lagged = ratios(World::Lagged, ChamberRun::ManyRates, Model::Auto);
     assert!(lagged.mean <= 0.45 && lagged.worst <= 0.80);
     assert!(lagged.first_minutes <= 1.0);
 }
@@ -142,19 +142,19 @@ fn outside_the_family_the_error_is_little_more_than_a_third_of_the_composites() 
 /// stand in for them, does better.
 #[test]
 fn a_smooth_unit_with_short_lags_gains_by_its_history() {
-    assert!(ratios(World::Smooth, Programme::ManyRates, Model::Spline).mean <= 0.8);
-    assert!(ratios(World::Smooth, Programme::OneRate, Model::Spline).mean <= 1.05);
+    assert!(ratios(World::Smooth, ChamberRun::ManyRates, Model::Spline).mean <= 0.8);
+    assert!(ratios(World::Smooth, ChamberRun::OneRate, Model::Spline).mean <= 1.05);
 }
 
 #[test]
 fn one_rate_does_not_mislead() {
-    let ratios = ratios(World::Full, Programme::OneRate, Model::Spline);
+    let ratios = ratios(World::Full, ChamberRun::OneRate, Model::Spline);
     assert!(ratios.mean <= 0.6 && ratios.worst <= 0.8 && ratios.first_minutes <= 1.0);
 }
 
 #[test]
 fn on_the_papers_own_form_nothing_is_lost() {
-    let ratios = ratios(World::Paper, Programme::ManyRates, Model::Auto);
+    let ratios = ratios(World::Paper, ChamberRun::ManyRates, Model::Auto);
     assert!(ratios.worst <= 1.05 && ratios.first_minutes <= 1.0);
 }
 
@@ -162,7 +162,7 @@ fn on_the_papers_own_form_nothing_is_lost() {
 fn disturbed(unit: u64) -> [(&'static str, Run, usize); 2] {
     let mut random = Random::new(77);
     let [mut spiky, mut glitch] =
-        [(); 2].map(|()| simulate(World::Full, Programme::ManyRates, unit, 1));
+        [(); 2].map(|()| simulate(World::Full, ChamberRun::ManyRates, unit, 1));
     for axis in &mut spiky.log.channels[0].axes {
         for raw in &mut axis.raw {
             *raw += if random.uniform() < 0.01 {
@@ -185,8 +185,8 @@ fn disturbed(unit: u64) -> [(&'static str, Run, usize); 2] {
 #[test]
 fn outliers_and_a_glitch_hardly_show() {
     let runs = [1, 2].map(|unit| {
-        let clean = simulate(World::Full, Programme::ManyRates, unit, 1);
-        let judge = simulate(World::Full, Programme::Verification, unit, 2);
+        let clean = simulate(World::Full, ChamberRun::ManyRates, unit, 1);
+        let judge = simulate(World::Full, ChamberRun::Verification, unit, 2);
         (clean, judge, disturbed(unit))
     });
     for model in [Model::Static, Model::Composite, Model::Spline] {
@@ -217,7 +217,7 @@ fn outliers_and_a_glitch_hardly_show() {
 
 #[test]
 fn a_step_of_the_bias_is_reported_with_time_and_size() {
-    let mut run = simulate(World::Full, Programme::ManyRates, 2, 1);
+    let mut run = simulate(World::Full, ChamberRun::ManyRates, 2, 1);
     run.log.channels[0].axes[1].raw[50_000..]
         .iter_mut()
         .for_each(|raw| *raw += 0.05);
@@ -234,7 +234,7 @@ fn a_step_of_the_bias_is_reported_with_time_and_size() {
 /// debug build it may take several times as long.
 #[test]
 fn a_fit_of_a_hundred_thousand_rows_takes_a_third_of_a_second() {
-    let run = simulate(World::Full, Programme::ManyRates, 1, 1);
+    let run = simulate(World::Full, ChamberRun::ManyRates, 1, 1);
     for model in [Model::Static, Model::Composite, Model::Spline, Model::Auto] {
         let clock = std::time::Instant::now();
         let _ = fitted(model, &run);

@@ -13,7 +13,7 @@ use tempco_set::{
     CoefficientSet, GainSet, Model, PlayData, SlowPartData, Warning, WarningCode, load_set,
     table_rs,
 };
-use worlds::{Programme, Random, World, simulate};
+use worlds::{ChamberRun, Random, World, simulate};
 
 /// A unit of one axis that is a table of the core.
 #[derive(Clone, Copy)]
@@ -41,8 +41,8 @@ const CALM: f64 = 1e-5;
 const RESTLESS: f64 = 5e-5;
 
 /// A chamber run of the unit in rows of ten seconds; `seed` makes the noise, which walks as well.
-fn run(unit: Unit, programme: Programme, seed: u64, walk_step: f64) -> Log {
-    let mut log = simulate(World::Paper, programme, 1, 1).log;
+fn run(unit: Unit, chamber_run: ChamberRun, seed: u64, walk_step: f64) -> Log {
+    let mut log = simulate(World::Paper, chamber_run, 1, 1).log;
     let channel = &mut log.channels[0];
     channel.temp_c = channel.temp_c.iter().copied().step_by(10).collect();
     channel.axes.truncate(1);
@@ -94,7 +94,7 @@ fn fitted(log: &Log) -> Fit {
 #[test]
 fn width_time_constant_and_gains_of_a_unit_are_recovered() {
     let recovered = (1..=5).filter(|&seed| {
-        let set = fitted(&run(WHOLE, Programme::ManyRates, seed, CALM)).set;
+        let set = fitted(&run(WHOLE, ChamberRun::ManyRates, seed, CALM)).set;
         let channel = &set.channels[0];
         let (plays, parts) = (&channel.table.plays, &channel.table.slow_parts);
         let gains = &channel.axes[0].gains;
@@ -106,7 +106,7 @@ fn width_time_constant_and_gains_of_a_unit_are_recovered() {
         assert!((part.tau_s / 3600.0 - 1.0).abs() < 0.2);
         assert!(part.limit_c > 20.0 && part.limit_c < 95.0);
         // What is known of a play best is its height, gain times half width: the stated sigma is
-        // that of the gain for the width that was found.
+        // the gain's at the width that was found.
         let width_c = f64::from(play.half_width_c);
         let error = width_c * of_play.gain - 2.5 * 0.004;
         assert!(error.abs() < 3.0 * width_c * of_play.sigma);
@@ -123,7 +123,7 @@ fn a_unit_without_history_gets_no_history_terms() {
     let seeds = 10;
     let found = (1..=seeds)
         .filter(|&seed| {
-            let set = fitted(&run(PLAIN, Programme::ManyRates, seed, RESTLESS)).set;
+            let set = fitted(&run(PLAIN, ChamberRun::ManyRates, seed, RESTLESS)).set;
             !set.channels[0].axes[0].gains.is_empty()
         })
         .count();
@@ -133,7 +133,7 @@ fn a_unit_without_history_gets_no_history_terms() {
 
 #[test]
 fn one_rate_gives_no_history_terms_and_says_so() {
-    let fit = fitted(&run(WHOLE, Programme::OneRate, 1, CALM));
+    let fit = fitted(&run(WHOLE, ChamberRun::OneRate, 1, CALM));
     assert!(fit.set.channels[0].axes[0].gains.is_empty());
     let rates = &fit.set.channels[0].selection.as_ref().unwrap();
     assert_eq!(rates.ramp_rates_c_per_min.len(), 1);
@@ -144,7 +144,7 @@ fn one_rate_gives_no_history_terms_and_says_so() {
 
 #[test]
 fn history_terms_can_be_declined() {
-    let log = run(WHOLE, Programme::ManyRates, 1, CALM);
+    let log = run(WHOLE, ChamberRun::ManyRates, 1, CALM);
     let method = Method::Spline {
         segmentation: None,
         search: SplineSearch {
@@ -162,8 +162,8 @@ fn history_terms_can_be_declined() {
 #[test]
 fn order_of_logs_and_units_do_not_matter() {
     let logs = [
-        run(WHOLE, Programme::ManyRates, 1, CALM),
-        run(WHOLE, Programme::Verification, 2, CALM),
+        run(WHOLE, ChamberRun::ManyRates, 1, CALM),
+        run(WHOLE, ChamberRun::Verification, 2, CALM),
     ];
     let turned = [logs[1].clone(), logs[0].clone()];
     let mut dps = logs.clone();
@@ -256,7 +256,7 @@ fn the_emitted_table_flies_what_is_applied() {
     let expected = without_first(include_str!("history/table.rs"));
     assert_eq!(without_first(&text), expected, "as written:\n{text}");
 
-    let mut log = simulate(World::Paper, Programme::MidRamp, 1, 1).log;
+    let mut log = simulate(World::Paper, ChamberRun::MidRamp, 1, 1).log;
     log.channels[0].axes.truncate(2);
     for axis in &mut log.channels[0].axes {
         axis.unit = AxisUnit::PulsesPerS;

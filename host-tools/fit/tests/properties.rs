@@ -7,7 +7,7 @@ use tempco_fit::{FitOptions, Method, SplineSearch, fit};
 use tempco_log::{AxisUnit, Log};
 use tempco_set::run::thermal_points;
 use tempco_set::{CoefficientSet, Model, Polynomial};
-use worlds::{Programme, Random, World, simulate};
+use worlds::{ChamberRun, Random, World, simulate};
 
 fn options(model: Model) -> FitOptions {
     FitOptions::new("SIMULATED", model)
@@ -34,8 +34,8 @@ fn difference(a: &CoefficientSet, b: &CoefficientSet, scale: f64) -> f64 {
 #[test]
 fn the_order_of_logs_does_not_matter() {
     let logs = [
-        simulate(World::Full, Programme::Verification, 1, 1).log,
-        simulate(World::Full, Programme::OneRate, 1, 2).log,
+        simulate(World::Full, ChamberRun::Verification, 1, 1).log,
+        simulate(World::Full, ChamberRun::OneRate, 1, 2).log,
     ];
     let turned = [logs[1].clone(), logs[0].clone()];
     for model in [Model::Composite, Model::Spline] {
@@ -49,7 +49,7 @@ fn the_order_of_logs_does_not_matter() {
 
 #[test]
 fn units_do_not_matter() {
-    let dph = simulate(World::Full, Programme::OneRate, 2, 1).log;
+    let dph = simulate(World::Full, ChamberRun::OneRate, 2, 1).log;
     let mut dps = dph.clone();
     for axis in &mut dps.channels[0].axes {
         axis.unit = AxisUnit::Dps;
@@ -68,8 +68,8 @@ fn units_do_not_matter() {
 /// lies in the middle.
 #[test]
 fn the_constant_of_a_log_is_not_taken_for_thermal() {
-    let first = simulate(World::Paper, Programme::OneRate, 1, 1).log;
-    let second = simulate(World::Paper, Programme::Verification, 1, 2).log;
+    let first = simulate(World::Paper, ChamberRun::OneRate, 1, 1).log;
+    let second = simulate(World::Paper, ChamberRun::Verification, 1, 2).log;
     let mut moved = second.clone();
     for axis in &mut moved.channels[0].axes {
         axis.raw.iter_mut().for_each(|raw| *raw += 0.2);
@@ -119,7 +119,7 @@ fn coverage(white: f64, walk: f64) -> f64 {
         rate_max_c_per_min: 50.0,
         ..ThermalSettings::DEFAULT
     };
-    let mut log = simulate(World::Paper, Programme::Verification, 1, 1).log;
+    let mut log = simulate(World::Paper, ChamberRun::Verification, 1, 1).log;
     let channel = &mut log.channels[0];
     channel.temp_c = channel.temp_c.iter().copied().step_by(10).collect();
     channel.axes.truncate(1);
@@ -187,7 +187,7 @@ fn intervals_of_95_percent_cover_the_truth() {
 fn logs_of_one_soak_each_are_chosen_for_like_others() {
     let mut noise = Random::new(1);
     let mut drift = |first_c: f64| {
-        let mut log = simulate(World::Paper, Programme::MidRamp, 1, 1).log;
+        let mut log = simulate(World::Paper, ChamberRun::MidRamp, 1, 1).log;
         log.interval_s = 10.0;
         log.time_s = (0..1200).map(|row| 10.0 * f64::from(row)).collect();
         let temps_c = log.time_s.iter().map(|time_s| first_c + 0.001 * time_s);

@@ -77,7 +77,7 @@ codes! {
         RowsOutsideSegments = "rows_outside_segments",
         /// The bias of an axis steps.
         BiasStep = "bias_step",
-        /// Terms of a segment were dropped, since the rows cannot tell them from the others.
+        /// Terms of a segment were dropped, since the rows cannot separate them from the others.
         TermsDropped = "terms_dropped",
         /// The model has no rate terms, since they improve nothing.
         NoRateTerms = "no_rate_terms",
@@ -87,7 +87,7 @@ codes! {
         HistoryTermsDropped = "history_terms_dropped",
         /// All ramps are of one rate, from which no history term can be found.
         HistoryTermsNotTried = "history_terms_not_tried",
-        /// On soaks and ramps left out of the fit, an axis is no better than without compensation.
+        /// On soaks and ramps left out of the fit, compensation does not help an axis.
         HeldOutNoBetter = "held_out_no_better",
         /// On soaks and ramps left out of the fit, a simpler model does better.
         SimplerModelBetter = "simpler_model_better",

@@ -22,7 +22,7 @@ pub struct RoundingBound {
     /// Error of the place within the cell \[cells\].
     pub place: f64,
     /// Error of the bias for the lag-compensated temperature and the values of the history terms: the
-    /// polynomial's, that of the place times the steepest slope, and a product and a sum for each
+    /// polynomial's, the place's times the steepest slope, and a product and a sum for each
     /// term \[unit of the axis\].
     pub total: f64,
     /// How far from an edge between cells the neighbour may be evaluated instead \[degC\].

@@ -53,7 +53,7 @@ pub struct Candidate {
     pub slow_tau_s: Option<f64>,
     /// Held-out root mean square error of each axis \[unit of the axis\].
     pub rmse: Vec<f64>,
-    /// How much larger the held-out mean square is than that of the best candidate, as a share,
+    /// How much larger the held-out mean square is than the best candidate's, as a share,
     /// mean of the axes.
     pub excess: f64,
     /// Standard error of `excess`.
@@ -78,8 +78,8 @@ pub struct Selection {
 }
 
 impl Selection {
-    /// History terms take ramps of this many rates. With one, what does not depend on the rate
-    /// cannot be told from what does, nor one lag from another.
+    /// History terms take ramps of this many rates. With one, what depends on the rate
+    /// and what does not look the same, and so do two lags.
     pub const LEAST_RATES: usize = 2;
 
     /// Whether the logs hold ramps of enough rates to find history terms from.

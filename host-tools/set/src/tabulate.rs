@@ -130,8 +130,8 @@ fn hot_edge(terms: &Terms) -> (f32, f32) {
 
 /// The polynomial through three points (static bias, bias per rate) at the cold edge, the middle
 /// and the hot edge of a cell. With `start`, the bias at the cold edge is exactly that: the
-/// rounding of the coefficients then leaves no jump, and, because the hot edge is aimed at anew in
-/// each cell, it does not add up either.
+/// rounding of the coefficients then leaves no jump, and, because each cell aims at its own hot
+/// edge, it does not add up either.
 fn terms(cold: (f64, f64), mid: (f64, f64), hot: (f64, f64), start: Option<(f32, f32)>) -> Terms {
     let (a0, r0) = start.unwrap_or((cold.0 as f32, cold.1 as f32));
     let a2 = (2.0 * (cold.0 + hot.0 - 2.0 * mid.0)) as f32;

@@ -49,7 +49,7 @@ pub(super) fn no_better_than_none(
         RejectionCode::NoBetterThanNone,
         axis,
         format_args!(
-            "compensation is no better than none on {log}: {name} {} before, {} after ({})",
+            "compensation does not help on {log}: {name} {} before, {} after ({})",
             figure(before),
             figure(after),
             percent(1.0 - after / before)

@@ -30,7 +30,7 @@ pub fn sign_off(evaluation: &Evaluation) -> SignOff {
 pub(super) fn judge_sign_off(last: &SignOff, judgement: &mut Judgement) {
     if !last.accepted {
         let found = format!(
-            "compensation is no better than none on {}, as signed off at {}",
+            "compensation does not help on {}, as signed off at {}",
             last.file, last.judged
         );
         let of_axis =

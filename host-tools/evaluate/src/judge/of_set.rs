@@ -81,7 +81,7 @@ fn held_out(axis: &AxisSet) -> Option<Warning> {
         return Some(Warning::of_axis(
             WarningCode::HeldOutNoBetter,
             &axis.name,
-            "on soaks and ramps left out of the fit, the model is no better than none",
+            "on soaks and ramps left out of the fit, the model does not help",
         ));
     }
     let simpler = [
@@ -147,7 +147,7 @@ fn warn_of_terms(asked_for: Model, channel: &ChannelSet, warnings: &mut Vec<Warn
                 warnings.push(Warning::new(
                     WarningCode::TermsDropped,
                     format!(
-                        "{} ({}): the data cannot tell {} apart from the other terms; dropped",
+                        "{} ({}): the data cannot separate {} from the other terms; dropped",
                         name(segment),
                         channel.temperature,
                         dropped.join(", ")
@@ -163,9 +163,9 @@ fn warn_of_terms(asked_for: Model, channel: &ChannelSet, warnings: &mut Vec<Warn
         warnings.push(Warning::new(
             WarningCode::NoRateTerms,
             format!(
-                "{}: not improvable by the rate of temperature, as far as these logs tell: the \
-                 model has no rate terms and no lag shift (they are tried where the logs hold four \
-                 soaks and ramps or more, at rates that differ)",
+                "{}: the rate of temperature improves nothing on these logs. The model has no rate \
+                 terms and no lag shift. They are tried where the logs hold four soaks and ramps \
+                 or more, at rates that differ",
                 channel.temperature
             ),
         ));
@@ -181,8 +181,8 @@ fn warn_of_terms(asked_for: Model, channel: &ChannelSet, warnings: &mut Vec<Warn
         warnings.push(Warning::new(
             WarningCode::HistoryTermsNotTried,
             format!(
-                "{}: plays and second lag are not tried: all ramps are of one rate, which tells no \
-                 hysteresis from a lag and no lag from another",
+                "{}: plays and second lag are not tried. All ramps are of one rate, so hysteresis \
+                 and lags look the same",
                 channel.temperature
             ),
         ));

@@ -77,12 +77,12 @@ impl Basis {
         }
     }
 
-    /// The columns before those of the rate.
+    /// The columns before the rate terms.
     pub(crate) fn columns_without_rate(&self) -> usize {
         self.static_columns() + self.logs - 1
     }
 
-    /// The columns before those of the history terms.
+    /// The columns before the history terms.
     pub(crate) fn columns_without_history(&self) -> usize {
         self.columns_without_rate() + self.rate_columns()
     }

@@ -1,5 +1,5 @@
-//! What does not belong into a fit: spikes, handling disturbances, stretches that were asked to be
-//! left out; and what does but must be told apart: the constant of each log, steps of the bias.
+//! What does not belong into a fit: spikes, handling disturbances, stretches that the user
+//! excludes. Also what belongs but needs care: the constant of each log, steps of the bias.
 
 mod disturbances;
 mod spikes;

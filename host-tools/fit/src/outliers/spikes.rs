@@ -204,7 +204,7 @@ fn looked_at(rows: &Rows) -> Vec<usize> {
 }
 
 impl Scale {
-    /// The limit, anew whenever the log has grown by an eighth.
+    /// The limit. It is computed again whenever the log has grown by an eighth.
     fn limit(&mut self) -> f64 {
         let seen = self.distances.seen();
         if 8 * seen > 9 * self.counted {

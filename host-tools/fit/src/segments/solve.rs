@@ -119,7 +119,7 @@ impl SegmentRows {
         }
     }
 
-    /// Fits up to `most_terms` terms, fewer where the rows cannot tell them apart.
+    /// Fits up to `most_terms` terms, fewer where the rows cannot separate them.
     pub(crate) fn fit(mut self, most_terms: usize, tau_s: f64) -> Result<SegmentFit, Unfit> {
         let rows = self.factor.rows();
         let coverage = self.coverage();

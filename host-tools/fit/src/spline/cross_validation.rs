@@ -68,8 +68,8 @@ impl HeldOut {
         Self::linear(blocks, folds, &grams)
     }
 
-    /// A model that takes, beside the leading columns, some of the others, chosen by `pick` anew
-    /// without each fold; it is given the normal equations of those others after the leading ones.
+    /// A model of the leading columns and some of the others. `pick` chooses these for each fold
+    /// left out, from the normal equations of the others after the leading ones.
     pub(crate) fn picked(
         blocks: &Blocks,
         folds: &Folds,

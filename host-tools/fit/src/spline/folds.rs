@@ -4,7 +4,7 @@ use tempco_log::median::median;
 
 use crate::least_squares::Blocks;
 
-/// Rates below this are a soak, whatever the sensor's noise makes of them \[degC/min\].
+/// Rates below this are a soak: the sensor's noise is not a ramp \[degC/min\].
 const SOAK_C_PER_MIN: f64 = 0.1;
 
 /// A soak or ramp shorter than this belongs to the one before it \[s\].

@@ -16,7 +16,7 @@ const LEAST_WIDTH_C: f64 = 0.2;
 /// The widest play, as a share of the range of temperature.
 const MOST_WIDTH: f64 = 0.3;
 
-/// The slow part is slower than the rate estimator by this factor at least: one that is closer only
+/// The second lag is slower than the rate estimator by this factor at least. A closer one only
 /// bends the estimator's own lag, and costs accuracy after power-on.
 const LEAST_SLOWNESS: f64 = 3.0;
 
@@ -34,7 +34,7 @@ pub(crate) const REFINEMENTS: usize = 3;
 /// A term is at an end of the search within this share.
 const AT_END: f64 = 0.01;
 
-/// Two plays are told apart by half widths that differ by this factor at least.
+/// Two plays have half widths that differ by this factor at least.
 const PLAYS_APART: f64 = 1.4;
 
 /// How many terms of each kind.
@@ -66,7 +66,7 @@ impl Kind {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Bounds {
     pub(crate) half_width_c: (f64, f64),
-    /// None where the logs are too short for a slow part.
+    /// None where the logs are too short for a second lag.
     pub(crate) tau_s: Option<(f64, f64)>,
 }
 

@@ -16,7 +16,7 @@ use crate::spline::regressors::{Lag, Regressors};
 
 impl Question<'_> {
     /// The `chosen` model, or the best spline of the `others` where it has no rate terms, with the
-    /// states that it earns: the fewest within one standard error of the best, and only if the
+    /// history terms that help: the fewest within one standard error of the best, and only if the
     /// error of `chosen` is more than one standard error above. None where there are none.
     pub(super) fn with_history(
         &self,
@@ -28,7 +28,7 @@ impl Question<'_> {
             return Ok(None);
         }
         let has_rate = |tried: &&Tried| matches!(&tried.choice, Choice::Spline(spline) if spline.rate != RateForm::None);
-        // Those of the others come best first.
+        // The others are sorted, best first.
         let Some(start) = std::iter::once(chosen).chain(others).find(has_rate) else {
             return Ok(None);
         };
@@ -94,7 +94,7 @@ impl Question<'_> {
         Ok(spline.axes.iter().any(|axis| axis.history))
     }
 
-    /// Time constant and shift that go best with a play and a slow part: without these, they stand
+    /// Time constant and shift that go best with a play and a second lag: without these, they stand
     /// in for them. As they were where these are not found.
     fn lag_with_states(&self, spline: &Spline) -> Result<Option<Lag>, TableError> {
         let regressors = self.regressors(spline.lag.tau_s)?;
@@ -200,7 +200,7 @@ impl<'a> Columns<'a> {
             .grams(blocks, folds, &basis, self.lag.kappa, &states)
     }
 
-    /// The shape of least residual on all data, `start` being that of the first grid; none where it
+    /// The shape of least residual on all data, from `start`, the best of the grid; none where it
     /// lies at an end of the search.
     fn refined(&self, kind: Kind, start: Shape) -> Option<Shape> {
         let mut shape = start;

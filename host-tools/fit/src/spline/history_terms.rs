@@ -1,4 +1,4 @@
-//! Terms of the thermal history that the core can carry beside the table.
+//! Terms of the thermal history that the core can add to the table.
 //!
 //! Each is one column over the whole range, whose values come from the core's own
 //! [`HistoryState`]. A term depends on the lag-compensated temperature alone, so that terms are run one

@@ -188,7 +188,7 @@ fn lowest(
         let [(x0, y0), (x1, y1), (x2, y2)] = [tried[best - 1], tried[best], tried[best + 1]];
         let (before, after) = ((x1 - x0) * (y1 - y2), (x1 - x2) * (y1 - y0));
         let vertex = x1 - 0.5 * ((x1 - x0) * before - (x1 - x2) * after) / (before - after);
-        // Where the vertex tells nothing new, the middle of the wider side does.
+        // Where the vertex adds nothing new, the middle of the wider side does.
         let apart = 0.01 * (x2 - x0);
         let near = |x: f64| [x0, x1, x2].iter().any(|known| (x - known).abs() < apart);
         let middle = if x1 - x0 > x2 - x1 {

@@ -60,7 +60,7 @@ impl<'a> Regressors<'a> {
         &self.rates
     }
 
-    /// Effective temperature of a block: linear in kappa, as in the core.
+    /// Lag-compensated temperature of a block: linear in kappa, as in the core.
     pub(crate) fn effective_c(&self, block: usize, kappa: f64) -> f64 {
         self.temp_c[block] - kappa * self.tau_s / 60.0 * self.rates[block]
     }

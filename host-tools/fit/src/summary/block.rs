@@ -38,7 +38,7 @@ pub(crate) struct Moments {
     pub(crate) rows: u64,
     /// Mean temperature \[degC\].
     pub(crate) temp_c: f64,
-    /// Effective temperature u \[degC\].
+    /// Lag-compensated temperature u \[degC\].
     pub(crate) effective_c: Spread,
     /// Mean rate of temperature T' \[degC/min\].
     pub(crate) rate: f64,

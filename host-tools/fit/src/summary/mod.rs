@@ -111,8 +111,8 @@ pub(crate) struct SamplePoint {
 }
 
 impl ChannelSummary {
-    /// Runs the core over the samples, as if each were a row: what the channel's effective
-    /// temperature and rate are under other settings than those of the plan.
+    /// Runs the core over the samples, as if each were a row: the channel's lag-compensated
+    /// temperature and rate under settings that are not the plan's.
     ///
     /// The delay of the core's rate is its time constant, whatever the interval, so that samples
     /// of many rows give the rates of these. Where a sample is one row, they are exactly the core's.

@@ -32,9 +32,9 @@ pub(crate) enum World {
     Smooth,
 }
 
-/// The programme of the chamber.
+/// A run of the chamber.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Programme {
+pub(crate) enum ChamberRun {
     /// Up and down at 0.25, 0.5, 1 and 2 degC/min.
     ManyRates,
     /// Up and down three times at 1 degC/min.
@@ -85,10 +85,10 @@ struct Nature {
 }
 
 /// Air temperature: (target, rate in degC/min) or (target, 0, minutes).
-fn steps(programme: Programme) -> Vec<(f64, f64, f64)> {
+fn steps(chamber_run: ChamberRun) -> Vec<(f64, f64, f64)> {
     let (ramp, soak) = (|to, rate| (to, rate, 0.0), |at, min| (at, 0.0, min));
-    match programme {
-        Programme::ManyRates => [0.5, 1.0, 0.25, 2.0]
+    match chamber_run {
+        ChamberRun::ManyRates => [0.5, 1.0, 0.25, 2.0]
             .into_iter()
             .flat_map(|rate| {
                 [
@@ -99,7 +99,7 @@ fn steps(programme: Programme) -> Vec<(f64, f64, f64)> {
                 ]
             })
             .collect(),
-        Programme::OneRate => (0..4)
+        ChamberRun::OneRate => (0..4)
             .flat_map(|_| {
                 [
                     ramp(80.0, 1.0),
@@ -109,7 +109,7 @@ fn steps(programme: Programme) -> Vec<(f64, f64, f64)> {
                 ]
             })
             .collect(),
-        Programme::Verification => vec![
+        ChamberRun::Verification => vec![
             soak(20.0, 30.0),
             ramp(-12.0, 0.7),
             soak(-12.0, 40.0),
@@ -125,7 +125,7 @@ fn steps(programme: Programme) -> Vec<(f64, f64, f64)> {
             soak(-12.0, 40.0),
             ramp(45.0, 0.35),
         ],
-        Programme::MidRamp => vec![
+        ChamberRun::MidRamp => vec![
             ramp(75.0, 1.0),
             soak(75.0, 40.0),
             ramp(-12.0, 1.0),
@@ -134,13 +134,13 @@ fn steps(programme: Programme) -> Vec<(f64, f64, f64)> {
     }
 }
 
-fn air_c(programme: Programme) -> Vec<f64> {
-    let mut at = match programme {
-        Programme::Verification => 20.0,
+fn air_c(chamber_run: ChamberRun) -> Vec<f64> {
+    let mut at = match chamber_run {
+        ChamberRun::Verification => 20.0,
         _ => -15.0,
     };
     let mut air = vec![at; (1800.0 / INTERVAL_S) as usize];
-    for (target, rate, minutes) in steps(programme) {
+    for (target, rate, minutes) in steps(chamber_run) {
         let per_row = rate / 60.0 * INTERVAL_S;
         while rate > 0.0 && (target - at).abs() > per_row {
             at += per_row * (target - at).signum();
@@ -225,11 +225,11 @@ fn curve(world: World, axis: usize, nature: &Nature, temp_c: f64) -> f64 {
         }
 }
 
-/// Runs the unit of `seed` through a programme; `run` gives another noise, walk and turn-on.
-pub(crate) fn simulate(world: World, programme: Programme, seed: u64, run: u64) -> Run {
+/// Runs the unit of `seed` through a chamber run; `run` gives another noise, walk and turn-on.
+pub(crate) fn simulate(world: World, chamber_run: ChamberRun, seed: u64, run: u64) -> Run {
     let natures = natures(world, &mut Random::new(seed));
     let mut random = Random::new(1_000 * (seed + 1) + run);
-    let mut air = air_c(programme);
+    let mut air = air_c(chamber_run);
     let mut case = lagged(&air, CASE_S);
     let mut hidden: Vec<Vec<f64>> = Vec::new();
     let slow = lagged(&lagged(&case, 600.0), 5400.0);
@@ -237,7 +237,7 @@ pub(crate) fn simulate(world: World, programme: Programme, seed: u64, run: u64) 
         hidden.push(lagged(&case, nature.lag_s));
     }
     let rows = air.len();
-    let from = if programme == Programme::MidRamp {
+    let from = if chamber_run == ChamberRun::MidRamp {
         1800 + 2400
     } else {
         0
@@ -287,8 +287,8 @@ pub(crate) fn simulate(world: World, programme: Programme, seed: u64, run: u64) 
     let axes = axes.collect();
     Run {
         log: Log {
-            file: format!("{world:?} {programme:?} {seed} {run}"),
-            sha256: format!("{world:?}{programme:?}{seed}-{run}"),
+            file: format!("{world:?} {chamber_run:?} {seed} {run}"),
+            sha256: format!("{world:?}{chamber_run:?}{seed}-{run}"),
             time_s: (0..case.len()).map(|i| INTERVAL_S * i as f64).collect(),
             channels: vec![Channel {
                 column: "temp_c".to_owned(),

@@ -131,7 +131,7 @@ impl AxisSet {
         Ok(())
     }
 
-    /// The gains are those of the table, of which there are as many.
+    /// The gains equal the table's, and there are as many.
     fn check_gains(&self, key: &str, (channel, axis): (&ChannelSet, usize)) -> Result<(), String> {
         let table = &channel.table;
         let of_table = table.plays.iter().map(|play| &play.gain);

@@ -23,14 +23,14 @@ typedef struct {
 typedef struct {
     SETTINGS} tempco_thermal_t;
 
-/* A hysteresis term: a contact c follows the effective temperature u at a distance of
+/* A hysteresis term: a contact c follows the lag-compensated temperature u at a distance of
    half_width_c at most; bias += gain (u - c). */
 typedef struct {
     float half_width_c;
     float gain[GAINS]; /* of each axis, then 0; unit of the axis per degC */
 } tempco_play_t;
 
-/* A second lag: a slow part s follows u with time constant tau_s;
+/* A second thermal lag: s follows u with time constant tau_s;
    bias += gain (u - s), with u - s from -limit_c to limit_c. */
 typedef struct {
     float tau_s;
@@ -46,7 +46,7 @@ typedef struct {
     float t_min_c;      /* calibrated range, to which temperatures are clamped */
     float t_max_c;
     uint32_t cell_count;
-    const tempco_terms_t *cells; /* all axes of the coldest cell, then those of the next */
+    const tempco_terms_t *cells; /* all axes of the coldest cell, then all of the next */
     uint32_t play_count;
     const tempco_play_t *plays; /* null where there are none */
     uint32_t slow_part_count;
