@@ -1,5 +1,5 @@
-//! Draws `docs/segments.svg`: the segments of the paper's X gyro, as printed in its table 2, and what
-//! the table that flies makes of them.
+//! Draws `docs/segments.svg`: the segments of the paper's X gyro, as printed in its table 2, and
+//! as the table of the unit evaluates them.
 
 use plotters::prelude::*;
 use tempco_set::{Overlap, load_set};

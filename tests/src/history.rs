@@ -1,9 +1,9 @@
-//! A set with terms of the thermal history, without the long logs that it takes to earn them.
+//! A set with terms of the thermal history, without the long logs that a fit needs to select them.
 
 use tempco_set::{CoefficientSet, GainSet, PlayData, SlowPartData};
 
-/// Gives a set of three axes two plays and a slow part. The second axis does without the second
-/// play.
+/// Gives a set of three axes two plays and a second lag. The second axis has no gain of the
+/// second play.
 ///
 /// # Panics
 /// If the set is of other axes.

@@ -1,4 +1,4 @@
-//! What the tests share: the `tempco` command as a user runs it, and the real logs beside the
+//! What the tests share: the `tempco` command as a user runs it, and the real logs next to the
 //! project.
 #![forbid(unsafe_code)]
 
@@ -23,7 +23,7 @@ use tempco_qemu::Workspace;
 #[doc = include_str!("../../README.md")]
 pub struct Readme;
 
-/// So is that of the quick start.
+/// So is the Rust in the quick start.
 #[cfg(doctest)]
 #[doc = include_str!("../../docs/quick-start.md")]
 pub struct QuickStart;
@@ -72,7 +72,7 @@ pub fn example_path(name: &str) -> PathBuf {
 }
 
 /// The folder of what was built: the command and all examples, in one build of the workspace, for
-/// which the libraries are those of the tests.
+/// which the tests have built the libraries.
 fn built() -> &'static Path {
     static FOLDER: OnceLock<PathBuf> = OnceLock::new();
     FOLDER.get_or_init(|| {
@@ -222,7 +222,7 @@ impl Bench {
     }
 }
 
-/// A file of the folder `shared` beside the project; `None`, with a printed reason, where it is
+/// A file of the folder `shared` next to the project; `None`, with a printed reason, where it is
 /// absent.
 pub fn shared(name: &str) -> Option<PathBuf> {
     let path = root().parent()?.join("shared").join(name);

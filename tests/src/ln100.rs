@@ -1,4 +1,4 @@
-//! The simulated unit `ln100` beside the records it is made after.
+//! The simulated unit `ln100` against the records it is made after.
 
 use std::fs;
 
@@ -73,7 +73,7 @@ fn deviations(rates_deg_per_h: &[f64]) -> Deviations {
     std::array::from_fn(|octave| points[octave].deviation)
 }
 
-/// How far two figures are apart, as a factor of at least 1.
+/// How far two numbers are apart, as a factor of at least 1.
 pub fn factor(a: f64, b: f64) -> f64 {
     (a / b).max(b / a)
 }

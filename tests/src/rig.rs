@@ -21,7 +21,7 @@ use tempco_qemu::{
 /// Where slot B of the flash begins \[bytes\].
 pub const SLOT_B: u64 = 0x8000;
 
-/// Serial number of the unit, that of the table built in as an example.
+/// Serial number of the unit, as in the example table built in.
 pub const SERIAL: &str = "EXAMPLE";
 
 /// A request is sent again soon, since a unit that lost its supply does not answer.
@@ -39,7 +39,7 @@ pub struct Rig {
     pub machine: Machine,
     /// What stands for its flash.
     pub flash: File,
-    /// The line again, for what is none of the protocol.
+    /// The line again, for bytes outside the protocol.
     pub line: UnixStream,
     bench: UnixStream,
     /// Holds the flash and the sockets.

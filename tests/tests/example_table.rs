@@ -24,7 +24,7 @@ fn split(text: &str) -> (Vec<String>, Vec<f64>) {
     (between, numbers)
 }
 
-/// Run with `TEMPCO_BLESS=1` to write the table anew after a change of simulation, fit or format.
+/// Run with `TEMPCO_BLESS=1` to write the table again after a change of simulation, fit or format.
 #[test]
 fn the_example_table_is_what_fit_writes() {
     let bench = Bench::new();

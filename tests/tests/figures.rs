@@ -1,5 +1,5 @@
 //! What the images take of a processor: bytes, instructions, stack. The figures are committed;
-//! `TEMPCO_BLESS=1` writes them anew.
+//! `TEMPCO_BLESS=1` writes them again.
 #![cfg(unix)]
 
 use std::fmt::Write as _;

@@ -221,7 +221,7 @@ fn a_serial_number_that_no_image_can_hold_is_refused() {
     assert_eq!(bench.files(), ["log.csv"]);
 }
 
-/// Compiled with every warning as an error, included twice, and run: its bytes are those of the
+/// Compiled with every warning as an error, included twice, and run: its bytes equal the
 /// image. Skipped, with a printed reason, where there is no C compiler.
 #[test]
 fn the_c_header_compiles_and_holds_the_same_numbers() {

@@ -63,7 +63,7 @@ fn split(table: &str) -> (Vec<&str>, Vec<f64>) {
     )
 }
 
-/// Run with `TEMPCO_BLESS=1` to write the table anew after a change of simulation or fit.
+/// Run with `TEMPCO_BLESS=1` to write the table again after a change of simulation or fit.
 #[test]
 fn the_table_of_profiles_is_what_the_commands_give() {
     let path = root().join("docs/calibration.md");

@@ -86,7 +86,7 @@ fn means_of_20(log: &Log, tau_s: f32) -> Vec<(f64, f64, Vec<f64>)> {
         .collect()
 }
 
-/// The residuals that the note beside the log gives for a cubic in T, and for the same with T' and
+/// The residuals that the note with the log gives for a cubic in T, and for the same with T' and
 /// T T', on means of 20 rows. The rate is the core's causal estimate; the note's is not causal, so
 /// a short time constant comes nearest to it.
 #[test]

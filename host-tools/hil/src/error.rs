@@ -32,7 +32,7 @@ pub enum Error {
     /// Nothing came back.
     #[error(
         "no answer to {request} after {tries} tries in {:.1} s: is the unit on, is the port the \
-         right one, and is the baud rate that of the unit?",
+         right one, and does the baud rate match?",
         waited.as_secs_f64()
     )]
     NoAnswer {
@@ -169,7 +169,7 @@ fn in_use(table_crc: Option<u32>) -> String {
 fn reason(refusal: Refusal) -> String {
     match refusal {
         Refusal::Version => "its version of the protocol is another".to_owned(),
-        Refusal::Session => "it knows of no such session".to_owned(),
+        Refusal::Session => "it has no such session".to_owned(),
         Refusal::Order { expected } => format!("it expected request number {expected}"),
         Refusal::Unknown => {
             "it does not know this request, or its arguments are out of range; its firmware may be \

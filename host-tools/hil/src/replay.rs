@@ -72,7 +72,7 @@ pub fn by_row<const C: usize, const A: usize, const PLAYS: usize, const SLOW: us
 
 /// Replays a log of the unit's own sample rate through its sampling interrupt, in blocks, either
 /// as fast as it goes or in real time; the time steps of the samples are not looked at, and their
-/// temperatures are those of the rows at which they are due. `done` gets the number of samples so
+/// temperatures come from the rows at which they are due. `done` gets the number of samples so
 /// far.
 ///
 /// The compensated samples are compared, and of the last of each block all else as well.

@@ -256,7 +256,7 @@ fn replays_find_no_difference_where_there_is_none_and_every_one_where_there_is()
     }
 }
 
-/// By rows everything is compared; by blocks the rest is that of the last sample of a block, which
+/// By rows everything is compared; by blocks the rest is from the last sample of a block, which
 /// is the 80th.
 #[test]
 fn a_bit_of_any_figure_of_one_sample_is_found() {

@@ -13,7 +13,7 @@ const LONGEST_ROW: usize = 16 << 20;
 /// Why there is no next block.
 #[derive(Debug, Error)]
 pub(super) enum BlockError {
-    /// That of the stream.
+    /// The stream failed.
     #[error(transparent)]
     Stream(#[from] io::Error),
     /// A row that is no row of numbers.
@@ -110,7 +110,7 @@ impl<R: Read> Blocks<R> {
     /// The next block; `None` at the end.
     ///
     /// # Errors
-    /// Those of the stream, and a row that has no end within 16 MiB.
+    /// A failure of the stream, and a row that has no end within 16 MiB.
     pub(super) fn next(&mut self) -> Result<Option<Block>, BlockError> {
         let mut bytes = Vec::with_capacity(self.size.max(self.rest.len()) + 1);
         bytes.append(&mut self.rest);

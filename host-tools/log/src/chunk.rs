@@ -2,7 +2,7 @@
 
 /// Some consecutive rows of a log.
 ///
-/// Channels, and the axes of one after those of the other, stand in the order of [`Log`](super::Log).
+/// Channel after channel, and the axes within each, in the order of [`Log`](super::Log).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Chunk {
     /// Time of each row \[s\], strictly increasing, also from chunk to chunk.

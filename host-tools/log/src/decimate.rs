@@ -1,7 +1,7 @@
 //! An evenly spaced sample of a series, in memory that does not grow with the series.
 
-/// Keeps every so-manieth value of a series: all of a short one, of a longer one between half of
-/// `most` and `most`.
+/// Keeps an even sample of a series: all of a short one, every nth value of a longer one, so that
+/// between half of `most` and `most` are left.
 #[derive(Clone, Debug)]
 pub struct Decimated {
     values: Vec<f64>,

@@ -85,7 +85,7 @@ impl ParquetRows {
         Ok((rows, layout))
     }
 
-    /// The next rows, or the digest of the file at its end.
+    /// The next rows, or the hash of the file at its end.
     ///
     /// # Errors
     /// A file that is not sound.
@@ -95,7 +95,7 @@ impl ParquetRows {
         while self.rows_left == 0 {
             if self.group == self.metadata.num_row_groups() {
                 let digest = self.digest.take().expect("a log ends once").join();
-                let digest = digest.expect("forming a digest cannot panic");
+                let digest = digest.expect("hashing cannot panic");
                 return Ok(Err(digest.map_err(LogError::io(&layout.path))?));
             }
             self.open_group().map_err(failed)?;

@@ -1,7 +1,7 @@
-//! Reads, digests and parses text on several threads, in memory that does not grow with the file.
+//! Reads, hashes and parses text on several threads, in memory that does not grow with the file.
 //!
 //! ```text
-//! one thread: read, digest, unpack, cut into blocks --> some threads: parse --> in order
+//! one thread: read, hash, unpack, cut into blocks --> some threads: parse --> in order
 //! ```
 
 use std::path::{Path, PathBuf};
@@ -20,10 +20,10 @@ use super::source::{Format, Source, Text};
 /// Blocks under way at a time.
 const DEPTH: usize = 4;
 
-/// Threads that parse; beyond these the digest is what takes the time.
+/// Threads that parse; with more, hashing takes the time.
 const MOST_PARSERS: usize = 3;
 
-/// A block that is being parsed, or how reading ended: with the file's digest or an error.
+/// A block that is being parsed, or how reading ended: with the file's hash or an error.
 enum Item {
     Parsing(Receiver<Parsed>),
     Ended(Result<String, LogError>),
@@ -71,7 +71,7 @@ impl Pipeline {
         Ok((Self { items }, layout))
     }
 
-    /// The next rows, or the digest of the file at its end.
+    /// The next rows, or the hash of the file at its end.
     ///
     /// # Errors
     /// Those of reading and unpacking.

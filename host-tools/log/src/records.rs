@@ -3,7 +3,7 @@
 use csv_core::{ReadRecordResult, Reader};
 use memchr::memchr_iter;
 
-/// The most cells of a record that are told apart; a longer one is as long as that.
+/// The most cells of a record; a longer one counts as this long.
 pub(super) const MOST_CELLS: usize = 1 << 16;
 
 /// Goes through the records of a text; blank lines are none.

@@ -1,4 +1,4 @@
-//! The bytes of a log file: what format they are, and their digest as they pass.
+//! The bytes of a log file: their format, and their hash as they pass.
 
 use std::fs::File;
 use std::io::{self, BufReader, Cursor, Read};
@@ -52,7 +52,7 @@ impl Format {
     }
 }
 
-/// A file whose digest is formed, and whose bytes are counted, as they are read.
+/// A file whose bytes are hashed and counted as they are read.
 pub(super) struct Tapped {
     file: File,
     digest: Sha256,

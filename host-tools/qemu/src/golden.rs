@@ -1,4 +1,4 @@
-//! Golden vectors: what hosts and targets make of the same samples, bit for bit, as hashes.
+//! Golden vectors: hashes of the outputs of hosts and targets for the same samples.
 
 use std::fs;
 use std::path::PathBuf;

@@ -33,8 +33,8 @@ pub const CORE: Guard = Guard::new(
 );
 
 /// What a unit calls besides: images and their store, fault log, offsets, link and sensors. Its
-/// checks are overflow checks of this workspace's crates, which have no debug assertions. Those of
-/// the dependencies stay off: `postcard`, `heapless`, `cobs`, `zerocopy` and the standard library
+/// checks are overflow checks of this workspace's crates, which have no debug assertions. Overflow
+/// checks of dependencies are off: `postcard`, `heapless`, `cobs`, `zerocopy` and the standard library
 /// assert what their unsafe code relies on and what the optimiser cannot prove, and `postcard`,
 /// `cobs`, `crc` and `libm` reckon where it cannot see that nothing overflows.
 pub const UNIT: Guard = Guard::new(

@@ -12,7 +12,7 @@
 //! - [`Machine`]: an image in QEMU in the background, with a line to its first UART
 //! - [`replay()`]: a log through the `replay` image
 //! - [`guard`]: images that link only if they cannot panic
-//! - [`golden`]: hashes of what host and targets make of the same samples
+//! - [`golden`]: hashes of the outputs of host and targets for the same samples
 //!
 //! [`replay()`] is bytes in and bytes out, in the format of `tempco-replay`. A log through the
 //! whole application, over its serial link, is `tempco-hil` on a [`Machine`].

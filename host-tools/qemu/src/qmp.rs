@@ -19,7 +19,7 @@ pub(crate) struct Qmp {
 }
 
 impl Qmp {
-    /// Connects; the error of a socket that is not there yet is that of the system.
+    /// Connects; a socket that is not there yet is an error of the system.
     pub(crate) fn connect(path: &Path) -> io::Result<Result<Self, Error>> {
         let stream = UnixStream::connect(path)?;
         stream.set_read_timeout(Some(PATIENCE))?;

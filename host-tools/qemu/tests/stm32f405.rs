@@ -217,6 +217,6 @@ fn the_application_takes_its_table_from_the_flash_and_serves_the_link() {
     unit.command(&Request::Activate).unwrap();
     unit.reconnect().unwrap();
     let third = unit.telemetry(0).unwrap();
-    assert_eq!(third.index, first.index, "it did not start anew");
+    assert_eq!(third.index, first.index, "it did not start again");
     assert_eq!(unit.identify().unwrap().table_crc, example::CRC);
 }

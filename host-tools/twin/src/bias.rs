@@ -10,7 +10,7 @@ use crate::unit::{Axis, Unit};
 /// static(T) + g (1 + k (T - 25)) T' + h (case - T) + sum of plays + mode
 /// ```
 ///
-/// with T and T' those of the cavity.
+/// with T and T' of the cavity.
 #[derive(Debug, Clone)]
 pub(crate) struct ThermalBias {
     axis: Axis,

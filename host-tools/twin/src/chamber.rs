@@ -16,7 +16,7 @@ pub const AIR_RANGE_C: RangeInclusive<f64> = -100.0..=200.0;
 /// Longest profile, s (10 000 h).
 pub const MAX_DURATION_S: f64 = 3.6e7;
 
-/// Most legs a profile may have, cycles written out.
+/// Most stretches a profile may have, cycles written out.
 const MAX_LEGS: usize = 100_000;
 
 /// What a profile file says: the chamber's steps, and what else happens to the unit.
@@ -53,7 +53,7 @@ pub struct ProfileParts {
 pub struct Profile {
     name: String,
     parts: ProfileParts,
-    /// One leg for each stretch that takes time, then one that never ends.
+    /// One stretch for each stretch that takes time, then one that never ends.
     legs: Vec<Leg>,
     duration_s: f64,
 }
@@ -150,7 +150,7 @@ impl Profile {
         if time_s < 0.0 {
             return self.start_c();
         }
-        // After the end the last leg holds one temperature, so that its first moment will do.
+        // After the end the last stretch holds one temperature, so that its first moment will do.
         let time_s = time_s.min(self.duration_s);
         let passed = self.legs.partition_point(|leg| leg.end_s <= time_s);
         self.legs[passed].air_c(time_s)

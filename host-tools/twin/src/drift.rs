@@ -103,7 +103,7 @@ impl DriftState {
         self.sum()
     }
 
-    /// Drift at a time that is not before that of the last call, rate unit.
+    /// Drift at a time not before the last call's, rate unit.
     pub(crate) fn at(&mut self, time_s: f64) -> f64 {
         while self.second + 1.0 <= time_s {
             self.second += 1.0;

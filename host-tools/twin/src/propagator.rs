@@ -51,7 +51,7 @@ impl Settled {
                 rad_per_s,
             } => {
                 let (sin, cos) = libm::sincos(rad_per_s * time_s);
-                // Sine and cosine part of each node, from that of the node it follows: a lag
+                // Sine and cosine part of each node, from the node it follows: a lag
                 // divides by 1 + i x.
                 let mut waves = [(sin * amplitude_c, cos * amplitude_c); NODES];
                 for node in 0..NODES {

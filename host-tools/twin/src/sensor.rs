@@ -89,7 +89,7 @@ impl TemperatureSensor {
         reading_c
     }
 
-    /// What the converter makes of a temperature.
+    /// The converter's reading of a temperature.
     fn converted(&self, noisy_c: f64) -> f64 {
         let step_c = self.reading.step_c;
         if step_c > 0.0 {

@@ -241,7 +241,7 @@ struct Heat {
     state: ThermalState,
     /// Time up to which `state` has been moved, s.
     time_s: f64,
-    /// Leg of the profile at `time_s`.
+    /// Stretch of the profile at `time_s`.
     leg: usize,
 }
 
@@ -309,7 +309,7 @@ fn add(sum: &mut [f64; 3], part: [f64; 3]) {
     }
 }
 
-/// What faults make of a sample.
+/// Flags of a sample that faults set.
 fn flags<'a>(faults: impl Iterator<Item = &'a Fault>) -> Flags {
     let mut flags = Flags::default();
     for fault in faults {

@@ -49,7 +49,7 @@ pub enum Step {
         /// How many periods.
         count: u32,
     },
-    /// The door is opened: the air moves towards that of the room in a straight line, and back when
+    /// The door is opened: the air moves in a straight line towards the room, and back when
     /// the door is shut.
     Door {
         /// Temperature of the room, degC.
@@ -63,7 +63,7 @@ pub enum Step {
     },
 }
 
-/// Temperature of the air as a function of time since the beginning of a leg.
+/// Temperature of the air as a function of time since the beginning of a stretch.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Course {
     Line {
@@ -104,19 +104,19 @@ impl Course {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Leg {
     pub(crate) start_s: f64,
-    /// Infinite for the last leg, which holds the final temperature.
+    /// Infinite for the last stretch, which holds the final temperature.
     pub(crate) end_s: f64,
     pub(crate) course: Course,
 }
 
 impl Leg {
-    /// Air temperature, degC, at a time inside the leg.
+    /// Air temperature, degC, at a time inside the stretch.
     pub(crate) fn air_c(&self, time_s: f64) -> f64 {
         self.course.air_c(time_s - self.start_s)
     }
 }
 
-/// Legs so far, and where they have led to.
+/// Stretches so far, and where they have led to.
 pub(crate) struct Legs {
     pub(crate) legs: Vec<Leg>,
     pub(crate) time_s: f64,
@@ -170,7 +170,7 @@ impl Legs {
 }
 
 impl Step {
-    /// Appends the legs this step makes.
+    /// Appends the stretches of this step.
     pub(crate) fn append(&self, legs: &mut Legs) -> Result<(), Invalid> {
         let air = Range::TEMPERATURE;
         match *self {

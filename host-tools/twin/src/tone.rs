@@ -82,7 +82,7 @@ impl ToneState {
         (self.tone.frequency_hz + self.offset_hz + bend_hz) * time_s
     }
 
-    /// Angle that each axis sees at a time that is not before that of the last call.
+    /// Angle that each axis sees at a time not before the last call's.
     pub(crate) fn angle_at(&mut self, time_s: f64) -> [f64; 3] {
         while self.second + 1.0 <= time_s {
             let turns = self.turns + self.turns_since(1.0);

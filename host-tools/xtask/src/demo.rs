@@ -95,7 +95,7 @@ fn run_in(workspace: &Workspace, folder: &Path) -> Result<()> {
         tempco(&evaluate).output()?.status.success(),
         "no report was written"
     );
-    println!("wrote {report}; that of the fit lies beside the set");
+    println!("wrote {report}; the report of the fit lies in the folder of the set");
     let picture = folder.join("verification.svg");
     figure::draw(Path::new(&applied), &picture)?;
     println!("drew {}", picture.display());

@@ -8,7 +8,7 @@ use tempco_qemu::golden::{
 };
 use tempco_qemu::{Workspace, ensure_qemu, ensure_target_of};
 
-/// Set to 1, the committed hashes become those of the host's dev build.
+/// Set to 1, the hashes of the host's dev build are committed.
 const BLESS: &str = "TEMPCO_BLESS";
 
 const MILLION: u32 = 1_000_000;

@@ -18,7 +18,7 @@ use tempco_qemu::Workspace;
 
 use self::tools::Missing;
 
-/// The tests of the core alone, those of the example in its documentation left out.
+/// The tests of the core alone, without the example in its documentation.
 const TESTS: [&str; 5] = ["--package", "tempco", "--locked", "--lib", "--tests"];
 
 #[derive(clap::Args)]
