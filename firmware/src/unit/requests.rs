@@ -25,6 +25,7 @@ where
             Ok(()) => Response::Done,
             Err(refusal) => Response::Refused(refusal),
         };
+        // An arm for each message. What can be refused answers with the refusal.
         match request {
             Request::Identify => Response::Identity {
                 serial: SERIAL,

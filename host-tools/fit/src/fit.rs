@@ -103,10 +103,12 @@ fn fit_channel(
     options: &FitOptions,
     warnings: &mut Vec<Warning>,
 ) -> Result<ChannelSet, FitError> {
+    // What does not belong goes first, so that no later step sees it.
     check_rows(data)?;
     let screening =
         outliers::leave_out(data, &options.thermal, options.robust).map_err(FitError::Settings)?;
     check_rows(data)?;
+    // Without a range of temperature there is nothing to fit.
     let (t_min_c, t_max_c) = data.range(|block| block.effective_range_c);
     let span_c = t_max_c - t_min_c;
     if span_c < LEAST_SPAN_C {
@@ -116,6 +118,7 @@ fn fit_channel(
             span_c,
         });
     }
+    // Segments are needed by every method: splines are compared with the paper's models over them.
     let method = &options.method;
     let segmentation = match method.segmentation() {
         Some(given) => given.clone(),
@@ -129,6 +132,7 @@ fn fit_channel(
         fixed: FixedLag::new(method.search(), &options.thermal),
         method,
     };
+    // A method of segments is as asked for; splines are chosen by cross-validation.
     let (choice, selection, chosen) = match method {
         Method::Segments { model, .. } => {
             let choice = Choice::Segments {
@@ -146,9 +150,11 @@ fn fit_channel(
             (choice, Some(selection), Chosen::HeldOut(held_out))
         }
     };
+    // Held-out errors of the chosen model and of the usual ones, on the same folds.
     let held_out = question
         .comparison(&segmentation, chosen)
         .map_err(FitError::Settings)?;
+    // The chosen model is fitted to all that was kept.
     let fitted = match choice {
         Choice::Segments {
             model,

@@ -29,6 +29,7 @@ struct Row {
 }
 
 pub(crate) fn static_coefficients(path: &Path, text: &str) -> Result<CoefficientSet, String> {
+    // A row is a segment of a gyro; a2 stands in one of two columns, scaled or not.
     let mut reader = csv::Reader::from_reader(text.as_bytes());
     let mut gyros: Vec<(String, Vec<Segment>, Vec<Polynomial>)> = Vec::new();
     let mut rows = 0;
@@ -56,6 +57,7 @@ pub(crate) fn static_coefficients(path: &Path, text: &str) -> Result<Coefficient
             None => gyros.push((row.gyro, vec![segment], vec![polynomial])),
         }
     }
+    // A table has one grid for all axes, so all gyros need the same segments.
     let segments = match gyros.first() {
         Some((_, segments, _)) => segments.clone(),
         None => return Err("no coefficients after the header".to_owned()),
@@ -67,6 +69,7 @@ pub(crate) fn static_coefficients(path: &Path, text: &str) -> Result<Coefficient
     }
     let segmentation = Segmentation::new(segments).map_err(|error| error.to_string())?;
     let (t_min_c, t_max_c) = segmentation.range_c();
+    // Nothing is known of the fit: no rows, no sigmas, and no rate that is calibrated.
     let segments = segmentation.segments().iter().map(|segment| SegmentSet {
         t_min_c: segment.t_min_c,
         t_max_c: segment.t_max_c,
@@ -109,6 +112,7 @@ pub(crate) fn static_coefficients(path: &Path, text: &str) -> Result<Coefficient
         },
         (t_min_c as f32, t_max_c as f32),
     );
+    // The file is the only input; its hash says which one it was.
     let input = Input {
         file: path
             .file_name()

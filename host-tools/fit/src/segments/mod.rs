@@ -23,6 +23,7 @@ pub(crate) fn fit(
 ) -> Result<ChannelFit, FitError> {
     let (t_min_c, t_max_c) = data.range(|block| block.effective_range_c);
     let temperature = data.temperature();
+    // Rows outside are not fitted, and the user should know.
     let (rows, outside) = rows_of(data, segmentation, overlap);
     if outside > 0 {
         let (low, high) = segmentation.range_c();
@@ -35,6 +36,7 @@ pub(crate) fn fit(
         ));
     }
 
+    // Each segment is solved by itself; the results are sorted by axis, as a set has them.
     let mut segments = Vec::new();
     let mut polynomials = vec![Vec::new(); data.axes()];
     let mut sigmas = vec![Vec::new(); data.axes()];
@@ -65,6 +67,7 @@ pub(crate) fn fit(
             coverage: Some(fit.coverage),
         });
     }
+    // The calibrated range ends where rows or segments end, whichever is nearer.
     let (low, high) = segmentation.range_c();
     Ok(ChannelFit {
         thermal,

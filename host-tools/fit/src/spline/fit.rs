@@ -36,6 +36,8 @@ pub(crate) fn fit(
         kappa: lag.kappa as f32,
         ..settings
     };
+    // The core runs over the samples at the chosen lag, with no limit on the rate. The limits
+    // follow from what it finds.
     let open = with_every_rate(thermal).map_err(FitError::Settings)?;
     let blocks = Blocks::new(data);
     let points = SamplePoints::new(data, &open);
@@ -63,6 +65,7 @@ pub(crate) fn fit(
     // The layout was tried on the means of blocks, which reach less far than their samples.
     let basis = layout.basis(range_c, &sorted_c, rate, data.logs.len());
     let basis = basis.ok_or_else(unsolved)?;
+    // The pieces of the spline become the segments of the set, each with its coverage.
     let pairs = basis.breakpoints_c().windows(2);
     let pieces: Vec<Segment> = pairs
         .map(|pair| Segment {
@@ -76,12 +79,14 @@ pub(crate) fn fit(
         time_s: kept.rows * data.logs[log].interval_s,
     });
     let covered = coverage(timed, &pieces, calibrated_c)?;
+    // Least squares over all axes: the static part, the rate terms, then the history terms.
     let terms = shape.terms();
     let basis = basis.with_history(terms.len());
     let history = sample_history(&points, &terms);
 
     let rows = Rows::new(&points, &blocks, &basis, &history);
     let (solutions, condition) = solve_axes(&rows, &blocks, &basis, axes).ok_or_else(unsolved)?;
+    // Spline coefficients become a polynomial per segment, and their covariances sigmas.
     let maps = basis.polynomial_maps();
     let mut polynomials = Vec::new();
     let mut sigmas = Vec::new();
@@ -116,6 +121,7 @@ pub(crate) fn fit(
         polynomials.push(basis.polynomials(&coefficients));
     }
 
+    // Without rate terms the set lists the static terms only.
     let names = if rate == RateForm::None {
         &TERMS[..Terms::STATIC]
     } else {

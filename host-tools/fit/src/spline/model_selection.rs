@@ -230,18 +230,21 @@ impl Question<'_> {
         folds: &Folds,
         tried: &mut Vec<Tried>,
     ) -> Result<(), TableError> {
+        // How fine a spline the range of temperature allows, and whether the rates allow more than
+        // a static one.
         let mut sorted_c = self.blocks.temp_c.clone();
         sorted_c.sort_by(f64::total_cmp);
         let logs = self.blocks.logs();
         let (low, high) = base.range_c(0.0);
         let most = (((high - low) / LEAST_WIDTH_C) as usize).clamp(1, MOST_SEGMENTS);
         let start = Layout::uniform(SEARCH_SEGMENTS.min(most));
-        let with_rates =
-            folds.soaks_and_ramps >= LEAST_FOLDS && self.rates_can_be_told(base, &start, &sorted_c);
+        let with_rates = folds.soaks_and_ramps >= LEAST_FOLDS
+            && self.rates_are_separable(base, &start, &sorted_c);
         let none = Lag {
             tau_s: base.tau_s(),
             kappa: self.fixed.kappa.unwrap_or(0.0),
         };
+        // Layouts: as given, else all numbers of segments, of equal width or of equal data.
         let uniform = (1..=most).map(Layout::uniform);
         let quantile = (2..=most).map(|segments| Layout::Rule {
             place: Place::Quantile,
@@ -251,6 +254,7 @@ impl Question<'_> {
             Some(given) => (vec![Layout::given(given)], vec![Layout::given(given)]),
             None => (uniform.clone().collect(), uniform.chain(quantile).collect()),
         };
+        // A static spline is always tried. Rate terms are tried at the best lag, and without shift.
         let mut lags = vec![(none, &uniform, vec![RateForm::None])];
         if with_rates {
             let basis = |range_c| {
@@ -272,6 +276,7 @@ impl Question<'_> {
                 lags.push((found.unshifted, &uniform, vec![RateForm::Line]));
             }
         }
+        // Every combination is judged on the soaks and ramps that it was not fitted to.
         for (lag, layouts, forms) in lags {
             let regressors = self.regressors(lag.tau_s)?;
             let range_c = regressors.range_c(lag.kappa);
@@ -316,7 +321,7 @@ impl Question<'_> {
     }
 
     /// Whether the rate moves enough by itself, as in the fit of a segment.
-    fn rates_can_be_told(&self, base: &Regressors, layout: &Layout, sorted_c: &[f64]) -> bool {
+    fn rates_are_separable(&self, base: &Regressors, layout: &Layout, sorted_c: &[f64]) -> bool {
         let logs = self.blocks.logs();
         let Some(basis) = layout.basis(base.range_c(0.0), sorted_c, RateForm::Line, logs) else {
             return false;
