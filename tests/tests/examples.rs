@@ -1,30 +1,37 @@
-//! Every example is run.
+//! Every example is run, and listed in the README.
 
 use std::fs;
 use std::process::Command;
 
 use tempco_tests::{example_path, root};
 
-/// Packages whose examples are a way of use, with the least number of them.
-const PACKAGES: [(&str, usize); 2] = [("crates/tempco", 3), ("host-tools/fit", 1)];
+/// Names of the examples of all packages.
+fn names() -> Vec<String> {
+    let packages = ["crates", "host-tools"].map(|folder| root().join(folder).read_dir().unwrap());
+    let packages = packages.into_iter().flatten();
+    let folders = packages.filter_map(|package| {
+        let folder = package.unwrap().path().join("examples");
+        folder.read_dir().ok()
+    });
+    let files = folders.flatten().map(|file| file.unwrap().path());
+    files
+        .map(|file| file.file_stem().unwrap().to_string_lossy().into_owned())
+        .collect()
+}
 
 #[test]
-fn every_example_runs() {
-    for (folder, least) in PACKAGES {
-        let examples = fs::read_dir(root().join(folder).join("examples")).unwrap();
-        let names: Vec<String> = examples
-            .map(|example| example.unwrap().path())
-            .map(|path| path.file_stem().unwrap().to_string_lossy().into_owned())
-            .collect();
-        assert!(names.len() >= least, "{folder}: {names:?}");
-        for name in names {
-            let output = Command::new(example_path(&name)).output().unwrap();
-            assert!(
-                output.status.success(),
-                "{name}: {}",
-                String::from_utf8_lossy(&output.stderr)
-            );
-            assert!(!output.stdout.is_empty(), "{name} says nothing");
-        }
+fn every_example_runs_and_is_in_the_readme() {
+    let names = names();
+    assert!(names.len() >= 4, "{names:?}");
+    let readme = fs::read_to_string(root().join("README.md")).unwrap();
+    for name in names {
+        assert!(readme.contains(&name), "README: {name}");
+        let output = Command::new(example_path(&name)).output().unwrap();
+        assert!(
+            output.status.success(),
+            "{name}: {}",
+            String::from_utf8_lossy(&output.stderr)
+        );
+        assert!(!output.stdout.is_empty(), "{name} says nothing");
     }
 }

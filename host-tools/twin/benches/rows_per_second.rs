@@ -1,5 +1,5 @@
 //! Rows per second of every named unit at three rates: generated only, and with its log, and its truth
-//! file as well, written to memory. Build with `--release`.
+//! file as well, written to memory. Run it with `cargo bench -p tempco-twin`.
 
 use std::time::Instant;
 

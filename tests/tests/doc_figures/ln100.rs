@@ -1,34 +1,38 @@
-//! Draws `docs/twin-ln100.svg`, and prints the table of `docs/twin.md`: the Allan deviation of the
-//! simulated unit `ln100` and of the record it is made after, which must lie in `../shared`.
+//! The Allan deviation of the simulated unit `ln100` and of the record it is made after, which must
+//! lie in `../shared`.
 
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use tempco_tests::ln100::{Deviations, OCTAVES, factor, record, tau_s, twin};
-use tempco_tests::root;
 
-/// Vermillion, blue and green of the Okabe-Ito palette, which colour-blind people can tell apart.
-const COLOURS: [RGBColor; 3] = [
-    RGBColor(213, 94, 0),
-    RGBColor(0, 114, 178),
-    RGBColor(0, 158, 115),
-];
+use crate::{COLOURS, compare};
 
 type Drawn<DB> = Result<(), DrawingAreaErrorKind<<DB as DrawingBackend>::ErrorType>>;
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// Also prints the table of `docs/twin.md`.
+#[test]
+fn the_figure_of_the_ring_laser_unit_is_true() {
     let Some(up) = record("up") else {
-        return Ok(());
+        return;
     };
     let twin = twin(1);
     print_table(&up, &twin);
-    let path = root().join("docs/twin-ln100.svg");
-    let area = SVGBackend::new(&path, (900, 380)).into_drawing_area();
+    let mut svg = String::new();
+    draw_all(&mut svg, &up, &twin).unwrap();
+    compare("twin-ln100.svg", &svg);
+}
+
+fn draw_all(
+    svg: &mut String,
+    up: &[Deviations; 3],
+    twin: &[Deviations; 3],
+) -> Result<(), Box<dyn std::error::Error>> {
+    let area = SVGBackend::with_string(svg, (900, 380)).into_drawing_area();
     area.fill(&WHITE)?;
     for (axis, panel) in area.split_evenly((1, 3)).iter().enumerate() {
         draw(panel, ["x", "y", "z"][axis], &up[axis], &twin[axis])?;
     }
     area.present()?;
-    println!("drew {}", path.display());
     Ok(())
 }
 
@@ -82,16 +86,16 @@ fn draw<DB: DrawingBackend>(
         .label("record x 1.5 and / 1.5")
         .legend(|(x, y)| Rectangle::new([(x, y - 4), (x + 16, y + 4)], BLACK.mix(0.12).filled()));
     chart
-        .draw_series(LineSeries::new(at(twin), COLOURS[1].stroke_width(2)))?
+        .draw_series(LineSeries::new(at(twin), COLOURS[0].stroke_width(2)))?
         .label("twin, 2 h")
-        .legend(|(x, y)| PathElement::new([(x, y), (x + 16, y)], COLOURS[1]));
+        .legend(|(x, y)| PathElement::new([(x, y), (x + 16, y)], COLOURS[0]));
     let dots = at(record)
         .into_iter()
-        .map(|point| Circle::new(point, 3, COLOURS[0].filled()));
+        .map(|point| Circle::new(point, 3, COLOURS[1].filled()));
     chart
         .draw_series(dots)?
         .label("record, 300 s")
-        .legend(|(x, y)| Circle::new((x + 8, y), 3, COLOURS[0].filled()));
+        .legend(|(x, y)| Circle::new((x + 8, y), 3, COLOURS[1].filled()));
     chart
         .configure_series_labels()
         .position(SeriesLabelPosition::UpperRight)

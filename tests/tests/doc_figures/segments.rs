@@ -1,17 +1,10 @@
-//! Draws `docs/segments.svg`: the segments of the paper's X gyro, as printed in its table 2, and
-//! as the table of the unit evaluates them.
+//! The segments of the paper's X gyro, as printed in its table 2, and the table as the unit
+//! evaluates it.
 
 use plotters::prelude::*;
 use tempco_set::{Overlap, load_set};
-use tempco_tests::root;
 
-/// Blue, vermillion, green and purple of the Okabe-Ito palette.
-const COLOURS: [RGBColor; 4] = [
-    RGBColor(0, 114, 178),
-    RGBColor(213, 94, 0),
-    RGBColor(0, 158, 115),
-    RGBColor(204, 121, 167),
-];
+use crate::{COLOURS, compare};
 
 const TABLE: &str = "\
 gyro,segment,temp_min_c,temp_max_c,a0_pulses,a1_pulses_per_c,a2_1e-5_pulses_per_c2
@@ -21,7 +14,12 @@ X,3,25,60,-0.0551,0.0026,-3.302
 X,4,50,80,0.3390,-0.0118,9.6146
 ";
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
+#[test]
+fn the_figure_of_segments_is_true() {
+    compare("segments.svg", &draw().unwrap());
+}
+
+fn draw() -> Result<String, Box<dyn std::error::Error>> {
     let folder = tempfile::tempdir()?;
     let file = folder.path().join("table2.csv");
     std::fs::write(&file, TABLE)?;
@@ -30,8 +28,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let polynomials = &channel.axes[0].polynomials;
     assert_eq!(set.settings.overlap, Overlap::Linear);
 
-    let path = root().join("docs/segments.svg");
-    let area = SVGBackend::new(&path, (900, 420)).into_drawing_area();
+    let mut svg = String::new();
+    let area = SVGBackend::with_string(&mut svg, (900, 420)).into_drawing_area();
     area.fill(&WHITE)?;
     let (low, high) = (-0.04, 0.05);
     let mut chart = ChartBuilder::on(&area)
@@ -88,6 +86,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .background_style(WHITE.mix(0.8))
         .draw()?;
     area.present()?;
-    println!("drew {}", path.display());
-    Ok(())
+    drop(chart);
+    drop(area);
+    Ok(svg)
 }
