@@ -90,6 +90,7 @@ fn inspect_shows_an_image_and_compares_it() {
 
     with_history(&bench);
     let shown = bench.ok("inspect with/table.bin --against with/coefficients.json");
+    let shown = shown.split_whitespace().collect::<Vec<_>>().join(" ");
     for part in [
         "play: half width 2.5 degC, gain per degC 0.25 pulses/s, -0.5 pulses/s, 0.125 pulses/s",
         "play: half width 8 degC",

@@ -16,7 +16,7 @@ fn the_spline_is_chosen_by_what_was_left_out_and_says_from_what() {
     bench.ok("simulate --unit paper --profile verification --seed 2 --out ver.csv");
     for model in ["spline", "auto"] {
         let fitted = bench.ok(&format!(
-            "fit cal.csv --serial S1 --model {model} --out {model}"
+            "fit cal.csv --serial S1 --model {model} --out {model} --verbose"
         ));
         println!("{fitted}");
         assert!(fitted.contains("Chosen:"), "{fitted}");
@@ -148,7 +148,9 @@ fn a_set_that_does_harm_is_marked_as_rejected_on_request_only() {
     let refused = bench.run("evaluate set/coefficients.json log.csv --sign-off");
     assert_eq!(refused.code, 2);
     assert!(
-        refused.err.contains("a log it has not seen"),
+        refused
+            .err
+            .contains("expected a log that it was not fitted to"),
         "{}",
         refused.err
     );
@@ -162,7 +164,9 @@ fn a_set_that_does_harm_is_marked_as_rejected_on_request_only() {
     let inspected = bench.run("inspect set/coefficients.json");
     assert_eq!(inspected.code, 1);
     assert!(
-        inspected.out.contains("no better than none on"),
+        inspected
+            .out
+            .contains("rejection no_better_than_none: axes "),
         "{}",
         inspected.out
     );

@@ -51,7 +51,7 @@ fn a_cold_start_goes_through_every_command() {
         return;
     };
     println!("{fitted}");
-    assert!(fitted.contains("1 segments"), "{fitted}");
+    assert!(fitted.contains(": 1 segment,"), "{fitted}");
 }
 
 /// Means over 20 rows: temperature, rate and the values of all axes.

@@ -1,4 +1,4 @@
-//! `tempco apply`: a log with its bias taken out.
+//! `tempco apply`: a log with its bias subtracted.
 
 use std::io::Write;
 use std::path::PathBuf;
@@ -17,16 +17,19 @@ use crate::output::{print, write_file};
 use crate::shared_args::SetAndLog;
 use crate::status::status_text;
 
-/// Compensate a log with a coefficient set, by the code that flies
+/// Compensate a log with a coefficient set, as the firmware does
 ///
-/// Columns: time_s, the temperatures, then NAME_raw_UNIT, NAME_bias_UNIT and NAME_compensated_UNIT
-/// of each axis, and status (`ok` or the flags joined by `+`).
+/// Columns of the result: time_s, the temperatures, for each axis NAME_raw_UNIT, NAME_bias_UNIT and
+/// NAME_compensated_UNIT, and status (ok, or flags joined by +).
 #[derive(clap::Args)]
+#[command(
+    after_help = "Example: tempco apply RLG-7/coefficients.json verification.csv --out out.csv"
+)]
 pub(crate) struct Args {
     /// Where to write the result
     #[arg(long, value_name = "OUT.csv")]
     out: PathBuf,
-    // Last, since what follows would stand under its heading.
+    // Last: later options would stand under its heading.
     #[command(flatten)]
     put: SetAndLog,
 }
@@ -38,7 +41,7 @@ pub(crate) fn run(args: &Args) -> Result<Exit> {
     write_file(&args.out, &to_csv(&set, &log, &applied)?)?;
     let flagged = applied.status.iter().filter(|s| **s != Status::OK).count();
     print(format_args!(
-        "{} rows, {flagged} of them with flags in their status; wrote {}",
+        "{} rows, {flagged} with a flag in their status; wrote {}",
         log.rows(),
         args.out.display()
     ))?;

@@ -16,7 +16,7 @@ use tempco_set::run::is_rereadable;
 
 use crate::Exit;
 use crate::judgement::say_rejections;
-use crate::output::{figure, percent, print, print_lines, say, table};
+use crate::output::{WIDTH, percent, print, print_lines, print_wrapped, say, table, within};
 use crate::progress::Progress;
 use crate::set_files::{report_on, write};
 
@@ -56,7 +56,7 @@ pub(crate) fn run(
     Ok(Exit::of(summary.is_acceptable()))
 }
 
-/// A fault of this program in the work on one unit must not cost the others theirs.
+/// A fault of this program in the work on one unit must not stop the others.
 fn caught<T>(work: impl FnOnce() -> Result<T>) -> Result<T> {
     catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|cause| {
         let text = cause.downcast_ref::<String>().map(String::as_str);
@@ -80,7 +80,7 @@ fn fit_unit(
         !unit.logs.is_empty(),
         "no log in its folder: expected .csv, .csv.gz, .csv.zst or .parquet"
     );
-    // A pipe that nobody writes to would be waited for without end.
+    // A pipe that nobody writes to would block without end.
     let other = unit
         .logs
         .iter()
@@ -109,43 +109,29 @@ fn fit_unit(
     Ok(UnitFigures::new(&fit.set, judgement))
 }
 
+/// A row for each unit, of the axis that improves least.
 fn show(summary: &Summary) -> Result<()> {
-    let header = [
-        "serial",
-        "verdict",
-        "outlier",
-        "axis",
-        "sigma before",
-        "after",
-        "improvement",
-    ];
-    let mut rows = Vec::new();
-    for (number, unit) in summary.units().iter().enumerate() {
-        let verdict = summary.verdict(number).to_owned();
+    let header = ["serial", "verdict", "outlier", "worst axis", "improvement"];
+    let units = summary.units().iter().enumerate();
+    let rows = units.map(|(number, unit)| {
         let outlier = if summary.is_outlier(number) {
             "yes"
         } else {
             ""
         };
-        let Ok(figures) = &unit.result else {
-            let mut row = vec![unit.serial.clone(), verdict];
-            row.resize(header.len(), String::new());
-            rows.push(row);
-            continue;
-        };
-        for axis in &figures.axes {
-            rows.push(vec![
-                unit.serial.clone(),
-                verdict.clone(),
-                outlier.to_owned(),
-                axis.axis.clone(),
-                figure(axis.sigma_before),
-                figure(axis.sigma_after),
-                percent(1.0 - axis.sigma_after / axis.sigma_before),
-            ]);
-        }
-    }
-    print_lines(table(&header, rows))?;
+        let axes = unit.result.iter().flat_map(|figures| &figures.axes);
+        let improvements =
+            axes.map(|axis| (&axis.axis, 1.0 - axis.sigma_after / axis.sigma_before));
+        let worst = improvements.min_by(|a, b| a.1.total_cmp(&b.1));
+        vec![
+            unit.serial.clone(),
+            summary.verdict(number).to_owned(),
+            outlier.to_owned(),
+            worst.map_or_else(String::new, |(axis, _)| axis.clone()),
+            worst.map_or_else(String::new, |(_, improvement)| percent(improvement)),
+        ]
+    });
+    print_lines(within(&mut table(&header, rows), WIDTH))?;
     for unit in summary.units() {
         match &unit.result {
             Err(error) => say!("unit {}: {error}", unit.serial),
@@ -168,7 +154,7 @@ fn show_warnings(summary: &Summary) -> Result<()> {
         let serials: Vec<&str> = units.map(|unit| unit.serial.as_str()).collect();
         if !serials.is_empty() {
             let (code, count) = (code.name(), serials.len());
-            print(format_args!(
+            print_wrapped(&format!(
                 "warning {code}: {count} units: {}",
                 serials.join(", ")
             ))?;

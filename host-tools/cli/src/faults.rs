@@ -7,8 +7,11 @@ use crate::Exit;
 use crate::output::{print, print_lines, table};
 use crate::port_args::PortArgs;
 
-/// Show the fault log of a unit: what occurred, how often, when last, and what it has lost
+/// Show the fault log of a unit
+///
+/// Prints each fault, how often and when last it occurred, and what was lost since power-on.
 #[derive(clap::Args)]
+#[command(after_help = "Example: tempco faults --port /dev/ttyUSB0")]
 pub(crate) struct Args {
     #[command(flatten)]
     port: PortArgs,

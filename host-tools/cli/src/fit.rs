@@ -9,48 +9,55 @@ use tempco_fit::{FitOptions, fit_summaries};
 use tempco_set::{CoefficientSet, Stretch, file_names};
 
 use crate::Exit;
+use crate::answer::{Answer, channel_note};
 use crate::batch;
-use crate::judgement::{print_as_json, say_rejections, show};
 use crate::method_args::MethodArgs;
 use crate::output::{figure, percent, print, print_lines, table};
 use crate::report::{ensure_rereadable, write_figures};
 use crate::set_files::{report_on, write};
 use crate::set_tables::{show_choice, show_states};
-use crate::shared_args::{LogArgs, averaging_time};
+use crate::shared_args::{LogArgs, PrintArgs, averaging_time};
 
-/// Fit a coefficient set to one or more chamber logs of a unit
+/// Fit a coefficient set to the chamber logs of a unit
 ///
-/// Writes DIR/coefficients.json, DIR/report.html, and the table for firmware as DIR/table.bin (flash
-/// image), DIR/table.rs and DIR/table.h: all of them or none. With --batch, every unit found in a
-/// folder: DIR/SERIAL/ for each, DIR/summary.csv and DIR/summary.html; a unit that fails is in the
-/// summary with its error and makes the exit code 1, the others are fitted all the same.
+/// Writes five files into DIR, all or none: coefficients.json (the set), report.html, and the table
+/// for firmware as table.bin (flash image), table.rs and table.h.
+///
+/// With --batch, fits every unit of a folder. Each gets its own folder DIR/SERIAL. DIR/summary.html
+/// and DIR/summary.csv compare the units. A unit that fails is listed there with its error; the
+/// others are fitted, and the exit code is 1.
 #[derive(clap::Args)]
+#[command(after_help = "Example: tempco fit calibration.csv --serial RLG-7 --out RLG-7")]
 pub(crate) struct Args {
-    /// Chamber logs of the unit: CSV, as it is or packed by gzip or zstd, or Parquet
+    /// Chamber logs of the unit: CSV (plain, gzip or zstd) or Parquet
     #[arg(required_unless_present = "batch", value_name = "LOG.csv")]
     logs: Vec<PathBuf>,
     /// Serial number of the unit
     #[arg(long, required_unless_present = "batch")]
     serial: Option<String>,
-    /// Fit all units in this folder: a sub-folder per serial number with its logs, or logs named
-    /// SERIAL.csv or SERIAL_*.csv (also .csv.gz, .csv.zst, .parquet)
-    #[arg(long, value_name = "FOLDER", conflicts_with_all = ["logs", "serial"])]
+    /// Fit all units of this folder. It holds a folder per serial number with the logs of the unit,
+    /// or logs named SERIAL.csv or SERIAL_*.csv (also .csv.gz, .csv.zst, .parquet)
+    #[arg(
+        long,
+        value_name = "FOLDER",
+        conflicts_with_all = ["logs", "serial", "json", "verbose"]
+    )]
     batch: Option<PathBuf>,
-    /// Folder for the set; made if need be
+    /// Folder for the set; made if it does not exist
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     #[command(flatten)]
     method: MethodArgs,
-    /// Leave a stretch of log time out of the fit, in s, in every log (repeat)
+    /// Leave a stretch of time out of the fit, in s, in every log. May be repeated
     #[arg(long, value_name = "T1:T2", value_parser = stretch, allow_hyphen_values = true)]
     exclude: Vec<Stretch>,
-    /// Fit spikes and disturbances like everything else
+    /// Keep spikes and disturbances in the fit
     #[arg(long)]
     keep_outliers: bool,
-    /// Fastest believable change of temperature, in degC/min
+    /// Fastest change of temperature that a unit can have, in degC/min
     #[arg(long, value_name = "RATE", default_value_t = ThermalSettings::DEFAULT.max_slew_c_per_min, allow_negative_numbers = true)]
     max_slew: f32,
-    /// Averaging time of the printed figures, in s
+    /// Averaging time of the bias stability, in s
     #[arg(
         long,
         value_name = "S",
@@ -59,15 +66,14 @@ pub(crate) struct Args {
         allow_negative_numbers = true
     )]
     tau: f64,
-    /// Write the figures of the report into a folder as well, as SVG files
+    /// Also write the figures of the report into this folder, as SVG files
     #[arg(long, value_name = "DIR", conflicts_with_all = ["batch", "no_report"])]
     figures: Option<PathBuf>,
-    /// Write no report.html, for which every log is read once more
+    /// Write no report.html. For the report, every log is read a second time
     #[arg(long)]
     no_report: bool,
-    /// Print one JSON object instead of tables: the set, the verdict and why, the files
-    #[arg(long, conflicts_with = "batch")]
-    json: bool,
+    #[command(flatten)]
+    print: PrintArgs,
     #[command(flatten)]
     reading: LogArgs,
 }
@@ -102,18 +108,26 @@ pub(crate) fn run(args: &Args) -> Result<Exit> {
     }
     write(&args.out, set, report.as_ref())?;
 
-    let files = files(args);
-    if args.json {
-        let found = json!({"set": set, "files": files});
-        print_as_json(found, &judgement)?;
-    } else {
-        summarise(set, args.tau)?;
-        print(format_args!("wrote {}", files.join(", ")))?;
-        set.channels.iter().try_for_each(show_states)?;
-        set.channels.iter().try_for_each(show_choice)?;
-        show(&judgement)?;
-    }
-    say_rejections(args.out.display(), &judgement);
+    let names: Vec<&str> = file_names(!args.no_report).collect();
+    let answer = Answer {
+        set,
+        judgement: &judgement,
+        evaluation: None,
+        is_against: false,
+        notes: set.channels.iter().map(channel_note).collect(),
+        written: vec![format!(
+            "wrote {}: {}",
+            args.out.display(),
+            names.join(", ")
+        )],
+    };
+    let json = || {
+        let files = names
+            .iter()
+            .map(|name| args.out.join(name).display().to_string());
+        json!({"set": set, "files": files.collect::<Vec<_>>()})
+    };
+    answer.print(&args.print, &args.out, json, || show(set))?;
     Ok(Exit::of(judgement.is_accepted()))
 }
 
@@ -129,14 +143,14 @@ fn options(args: &Args) -> Result<FitOptions> {
     })
 }
 
-/// Paths of what was written into the folder of the set.
-fn files(args: &Args) -> Vec<String> {
-    let names = file_names(!args.no_report);
-    let paths = names.map(|name| args.out.join(name).display().to_string());
-    paths.collect()
+/// All that a fit says of itself.
+fn show(set: &CoefficientSet) -> Result<()> {
+    show_statistics(set)?;
+    set.channels.iter().try_for_each(show_states)?;
+    set.channels.iter().try_for_each(show_choice)
 }
 
-fn summarise(set: &CoefficientSet, tau_s: f64) -> Result<()> {
+fn show_statistics(set: &CoefficientSet) -> Result<()> {
     for channel in &set.channels {
         let data = &channel.table;
         print(format_args!(
@@ -193,10 +207,10 @@ fn summarise(set: &CoefficientSet, tau_s: f64) -> Result<()> {
         "improvement",
     ];
     print_lines(table(&header, rows))?;
-    let mut statistics = set.axes().filter_map(|(_, axis)| axis.statistics);
-    let tau_s = statistics.next().map_or(tau_s, |of_axis| of_axis.tau_s);
+    let tau_s = set.axes().find_map(|(_, axis)| axis.statistics);
+    let tau_s = tau_s.map_or(f64::NAN, |of| of.tau_s);
     print(format_args!(
-        "on the fitted logs: RMSE of single rows, sigma of {tau_s} s means; cubic: one cubic in T on the \
-         same rows"
+        "on the fitted logs: RMSE of single rows, sigma of {tau_s} s means; cubic: one cubic in T on \
+         the same rows"
     ))
 }

@@ -1,4 +1,4 @@
-//! `tempco flash-set`: a coefficient set into a unit.
+//! `tempco flash-set`: writes a coefficient set into a unit.
 
 use std::path::PathBuf;
 
@@ -14,16 +14,17 @@ use crate::shared_args::scale_factor;
 
 /// Write a coefficient set into a unit over its serial port
 ///
-/// The set goes into the bank that is not in use; the unit checks it, resets itself and runs on
-/// it. Refuses a set of another serial number, shape or scale factor before anything is written.
-/// Whatever fails, the unit keeps the table it has.
+/// The set goes into the bank that is not in use. The unit checks it, resets itself and runs on it.
+/// A set of another serial number, shape or scale factor is refused before anything is written. If
+/// a step fails, the unit keeps its table.
 #[derive(clap::Args)]
+#[command(after_help = "Example: tempco flash-set RLG-7/coefficients.json --port /dev/ttyUSB0")]
 pub(crate) struct Args {
     /// Coefficient set (coefficients.json) or flash image (table.bin)
     #[arg(value_name = "SET")]
     set: PathBuf,
-    /// Angle per pulse that a table in deg/h, deg/s or rad/s was made with, in arcsec, where the
-    /// set does not say
+    /// Angle per pulse, in arcsec, for a table in deg/h, deg/s or rad/s. Needed where the set does
+    /// not hold it
     #[arg(long, value_name = "ARCSEC", value_parser = scale_factor, allow_negative_numbers = true)]
     scale_factor: Option<f64>,
     #[command(flatten)]

@@ -8,7 +8,7 @@ use tempco_image::{AlignedBytes, Channel, Image, ImageError, Unit};
 use tempco_set::{check_folder, load_set, read_set, table_bin};
 
 use crate::Exit;
-use crate::output::{print, say};
+use crate::output::{print_wrapped, say};
 
 /// No image is longer.
 const MOST_BYTES: usize = 1 << 18;
@@ -18,14 +18,14 @@ pub(crate) fn is_image(set: &Path) -> bool {
     set.extension().is_some_and(|name| name == "bin")
 }
 
-/// The bytes of an image at an aligned place, which it takes to use the cells in place.
+/// The bytes of an image at an aligned place, so that its cells can be used in place.
 pub(crate) struct Placed {
     place: Box<AlignedBytes<MOST_BYTES>>,
     len: usize,
 }
 
 impl Placed {
-    /// Reads a file that holds an image and nothing else.
+    /// Reads a file that holds one image only.
     pub(crate) fn read(path: &Path) -> Result<Self> {
         let name = path.display();
         let bytes = fs::read(path).with_context(|| name.to_string())?;
@@ -67,8 +67,8 @@ impl Placed {
     }
 }
 
-/// The image of a set, and the scale factor that it was fitted with if it is known
-/// \[arcsec/pulse\]: the image in a file, or that which is made of `coefficients.json`.
+/// The image of a set, and its scale factor if it is known \[arcsec/pulse\]. The image is read from
+/// a file, or made from `coefficients.json`.
 pub(crate) fn of_set(path: &Path) -> Result<(Placed, Option<f64>)> {
     if is_image(path) {
         check_folder(path)?;
@@ -79,7 +79,7 @@ pub(crate) fn of_set(path: &Path) -> Result<(Placed, Option<f64>)> {
     Ok((Placed::of(&image), set.settings.scale_factor_arcsec))
 }
 
-/// Names the files in the folder of a set or image that are of another set, if there are any.
+/// Whether the files in the folder of a set or image are of one set. Names those that are not.
 pub(crate) fn is_folder_whole(path: &Path) -> bool {
     let checked = check_folder(path);
     if let Err(error) = &checked {
@@ -88,30 +88,31 @@ pub(crate) fn is_folder_whole(path: &Path) -> bool {
     checked.is_ok()
 }
 
-pub(crate) fn inspect(path: &Path, against: Option<&Path>) -> Result<Exit> {
+/// Shows an image, with all its settings if `in_full`, and compares it with the set `against`.
+pub(crate) fn inspect(path: &Path, against: Option<&Path>, in_full: bool) -> Result<Exit> {
     let name = path.display();
     let placed = Placed::read(path)?;
-    show(&placed.image()?)?;
+    show(&placed.image()?, in_full)?;
     let is_whole = is_folder_whole(path);
     let Some(set) = against else {
         return Ok(Exit::of(is_whole));
     };
     let same = table_bin(&read_set(set)?).map_err(Error::msg)? == placed.bytes();
     if same {
-        print(format_args!("the image is that of {}", set.display()))?;
+        print_wrapped(&format!("the image is that of {}", set.display()))?;
     } else {
         say!("{name} is not the image of {}", set.display());
     }
     Ok(Exit::of(same && is_whole))
 }
 
-fn show(image: &Image) -> Result<()> {
+fn show(image: &Image, in_full: bool) -> Result<()> {
     let (format, model, info) = (image.format(), image.model(), image.info());
-    print(format_args!(
+    print_wrapped(&format!(
         "unit {}, table CRC-32P4 {:08x}",
         info.serial, info.table_crc
     ))?;
-    print(format_args!(
+    print_wrapped(&format!(
         "flash image, layout {}.{}, model {}.{}, {} bytes in {} block(s), all CRCs right, {}",
         format.0,
         format.1,
@@ -125,10 +126,13 @@ fn show(image: &Image) -> Result<()> {
             "with jumps between cells"
         }
     ))?;
-    (0..image.channels()).try_for_each(|number| show_channel(number, &image.channel(number)?))
+    for number in 0..image.channels() {
+        show_channel(number, &image.channel(number)?, in_full)?;
+    }
+    Ok(())
 }
 
-fn show_channel(number: usize, channel: &Channel) -> Result<()> {
+fn show_channel(number: usize, channel: &Channel, in_full: bool) -> Result<()> {
     let s = &channel.thermal;
     let units: Vec<&str> = channel
         .units
@@ -136,9 +140,8 @@ fn show_channel(number: usize, channel: &Channel) -> Result<()> {
         .flatten()
         .map(|unit| symbol(*unit))
         .collect();
-    print(format_args!(
-        "\nchannel {number}: calibrated {} to {} degC and {} to {} degC/min; {} cells from {} to {} \
-         degC; axes in {}",
+    print_wrapped(&format!(
+        "channel {number}: {} to {} degC, {} to {} degC/min; {} cells from {} to {} degC; axes in {}",
         channel.t_min_c,
         channel.t_max_c,
         s.rate_min_c_per_min,
@@ -148,8 +151,26 @@ fn show_channel(number: usize, channel: &Channel) -> Result<()> {
         channel.last_edge_c,
         units.join(", "),
     ))?;
-    print(format_args!(
-        "  rate estimator tau {} s, kappa {}; sensor {} to {} degC, spike gate {} degC, slew {} \
+    for play in channel.history.plays() {
+        print_wrapped(&format!(
+            "play: half width {} degC, gain per degC {}",
+            play.half_width_c,
+            gains(&play.gain, &units)
+        ))?;
+    }
+    for part in channel.history.slow_parts() {
+        print_wrapped(&format!(
+            "second thermal lag: tau {} s, lag up to {} degC, gain per degC {}",
+            part.tau_s,
+            part.limit_c,
+            gains(&part.gain, &units)
+        ))?;
+    }
+    if !in_full {
+        return Ok(());
+    }
+    print_wrapped(&format!(
+        "rate estimator tau {} s, kappa {}; sensor {} to {} degC, spike gate {} degC, slew {} \
          degC/min, hold {} s, heal {} s, reference {} degC",
         s.tau_s,
         s.kappa,
@@ -160,23 +181,7 @@ fn show_channel(number: usize, channel: &Channel) -> Result<()> {
         s.hold_s,
         s.heal_s,
         s.reference_c,
-    ))?;
-    for play in channel.history.plays() {
-        print(format_args!(
-            "  play: half width {} degC, gain per degC {}",
-            play.half_width_c,
-            gains(&play.gain, &units)
-        ))?;
-    }
-    for part in channel.history.slow_parts() {
-        print(format_args!(
-            "  second thermal lag: tau {} s, lag up to {} degC, gain per degC {}",
-            part.tau_s,
-            part.limit_c,
-            gains(&part.gain, &units)
-        ))?;
-    }
-    Ok(())
+    ))
 }
 
 fn gains(gain: &[f32], units: &[&str]) -> String {

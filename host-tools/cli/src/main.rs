@@ -2,6 +2,7 @@
 //!
 //! Exit codes: 0 done; 1 done, but judged not acceptable; 2 bad usage or bad input.
 
+mod answer;
 mod apply;
 mod batch;
 mod evaluate;
@@ -31,11 +32,14 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 use tempco_set::escape;
 
-/// Temperature compensation of gyroscope bias: from chamber logs to a table that flies.
+/// Temperature compensation of gyro bias: from chamber logs to a table for firmware
 #[derive(Parser)]
 #[command(
+    name = "tempco",
     version,
-    after_help = "Exit codes: 0 done; 1 done, but judged not acceptable; 2 bad usage or bad input."
+    max_term_width = output::WIDTH as usize,
+    after_help = "Example: tempco fit calibration.csv --serial RLG-7 --out RLG-7\n\n\
+                  Exit codes: 0 done; 1 done, but not acceptable; 2 bad usage or bad input."
 )]
 struct Cli {
     #[command(subcommand)]
@@ -55,7 +59,7 @@ enum Command {
     Faults(faults::Args),
 }
 
-/// Whether what was done is acceptable; the exit code tells.
+/// Whether the result is acceptable. It becomes the exit code.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Exit {
     Acceptable,
@@ -76,7 +80,7 @@ fn main() -> ExitCode {
     // The shells of Windows leave patterns such as `*.csv` to the command.
     let command = Cli::parse_from(wild::args_os()).command;
     if let Err(error) = signals::watch() {
-        // Whatever is unfinished then stays when the command is told to end.
+        // A file that is not finished then stays if a signal ends the command.
         eprintln!("signals: {error}");
     }
     let result = match command {
@@ -97,6 +101,45 @@ fn main() -> ExitCode {
         Err(error) => {
             eprintln!("{}", escape::lines(&format!("error: {error:#}")));
             ExitCode::from(2)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    use super::*;
+
+    #[test]
+    fn every_help_fits_into_80_columns_and_has_an_example_that_parses() {
+        let mut tempco = Cli::command();
+        tempco.build();
+        let subcommands = tempco
+            .get_subcommands()
+            .filter(|of| of.get_name() != "help");
+        let commands: Vec<clap::Command> = std::iter::once(&tempco)
+            .chain(subcommands)
+            .cloned()
+            .collect();
+        assert_eq!(commands.len(), 10);
+        for mut command in commands {
+            let name = command.get_name().to_owned();
+            for help in [command.render_help(), command.render_long_help()] {
+                let help = help.to_string();
+                for line in help.lines() {
+                    assert!(line.chars().count() <= 80, "{name}: {line}");
+                }
+                let mut lines = help.lines();
+                let example = lines.find_map(|line| line.strip_prefix("Example: "));
+                let words: Vec<&str> = example.unwrap_or_default().split(' ').collect();
+                assert!(
+                    name == "tempco" || words.get(1) == Some(&&name[..]),
+                    "{name}: {help}"
+                );
+                let parsed = Cli::try_parse_from(words);
+                assert!(parsed.is_ok(), "{name}: {:?}", parsed.err());
+            }
         }
     }
 }

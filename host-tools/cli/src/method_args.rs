@@ -6,56 +6,65 @@ use tempco::ThermalSettings;
 use tempco_fit::{Method, SegmentModel, SegmentOverlap, SplineSearch};
 use tempco_set::Segmentation;
 
-/// What is fitted. An option that a model does not use is refused with it.
+/// What is fitted. An option that the model does not use is refused.
 #[derive(clap::Args)]
 pub(crate) struct MethodArgs {
-    /// static: a0 + a1 T + a2 T^2; composite: + a3 T' + a4 T T'; spline: the same terms, segments
-    /// fitted together without jump or kink, at a lag-compensated temperature; auto: whichever does
-    /// best on soaks and ramps left out of the fit
+    /// Model of the bias, with temperature T and its rate T'
     #[arg(long, value_enum, default_value = "composite")]
     model: ModelArg,
-    /// What is applied where segments overlap; spline is that of `--model spline` and of no other
-    /// [default: linear]
+    /// How neighbouring segments are joined where they overlap. Default: linear; with --model spline,
+    /// spline
     #[arg(long, value_enum)]
     overlap: Option<OverlapArg>,
-    /// Segments in degC, such as "-15:15,5:35,25:60,50:80"; without, the measured range is divided
+    /// Segments in degC, such as "-15:15,5:35,25:60,50:80". Default: the measured range is divided
     #[arg(long, value_name = "MIN:MAX,...", allow_hyphen_values = true)]
     segments: Option<Segmentation>,
-    /// Time constant of the rate estimator, in s; without, 60, but fitted for spline and auto
+    /// Time constant of the rate estimator, in s. Default: fitted for spline and auto, else 60
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     rate_tau: Option<f32>,
-    /// Shift of the lag-compensated temperature u = T - kappa (T - L); without, 0 as in the paper,
-    /// but fitted for spline and auto
+    /// Share of the lag that is compensated, in u = T - kappa (T - L), with L the filtered T.
+    /// Default: fitted for spline and auto, else 0 as in the paper
     #[arg(long, allow_negative_numbers = true)]
     kappa: Option<f32>,
-    /// For spline and auto. auto: a spline takes up to two plays (backlash) and a second thermal lag
-    /// beside its segments where they lower the error on soaks and ramps left out of the fit by more
-    /// than one standard error, in logs with ramps of two rates or more; none: never [default: auto]
+    /// History terms, for spline and auto. Default: auto
     #[arg(long, value_enum)]
     states: Option<StatesArg>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum ModelArg {
+    /// Per segment a0 + a1 T + a2 T^2
     Static,
+    /// The paper's model: the same + a3 T' + a4 T T'
     Composite,
+    /// These terms at a lag-compensated temperature, without jump or kink between segments
     Spline,
+    /// The model that does best on soaks and ramps left out of the fit
     Auto,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum OverlapArg {
+    /// Each segment is fitted up to the middle of the overlap only
     None,
+    /// The model switches in the middle of the overlap
     Hard,
+    /// The mean of both segments
     Mean,
+    /// A blend from one segment to the other, linear in temperature
     Linear,
+    /// A blend without a kink at the ends of the overlap
     Smooth,
+    /// Segments that meet in value and slope; for --model spline only
     Spline,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum StatesArg {
+    /// Plays (backlash) and a second thermal lag, where they lower the error on soaks and ramps left
+    /// out of the fit; tried on logs with ramps of two rates or more
     Auto,
+    /// No history terms
     None,
 }
 
@@ -96,7 +105,7 @@ impl MethodArgs {
         }
     }
 
-    /// The thermal path, with what is not to be fitted.
+    /// Settings of the thermal path, without those that are fitted.
     pub(crate) fn thermal(&self, max_slew_c_per_min: f32) -> ThermalSettings {
         let default = ThermalSettings::DEFAULT;
         ThermalSettings {

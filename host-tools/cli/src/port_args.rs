@@ -29,7 +29,7 @@ impl PortArgs {
     }
 }
 
-/// A bank in words, behind what it holds.
+/// A bank in words, to stand after its contents.
 pub(crate) const fn bank_name(bank: Bank) -> &'static str {
     match bank {
         Bank::A => " in bank A",

@@ -1,4 +1,4 @@
-//! The progress of what takes long, on a terminal.
+//! The progress of long work, on a terminal.
 
 use std::io::{IsTerminal, stderr};
 use std::path::PathBuf;
@@ -6,11 +6,10 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-/// What takes less time than this needs no bar.
+/// Work that takes less time than this has no bar.
 const PATIENCE: Duration = Duration::from_secs(2);
 
-/// A bar; it shows itself when the work takes longer than 2 s, and never if standard error is no
-/// terminal.
+/// A bar. It appears when the work takes longer than 2 s, if standard error is a terminal.
 pub(crate) struct Progress {
     bar: ProgressBar,
     can_show: bool,
@@ -26,7 +25,7 @@ impl Progress {
         )
     }
 
-    /// A bar over the bytes of an image that a unit takes.
+    /// A bar over the bytes of an image that is written into a unit.
     pub(crate) fn over_upload(bytes: u64) -> Self {
         Self::new(
             bytes,
@@ -53,13 +52,13 @@ impl Progress {
         }
     }
 
-    /// Notes that so much more was done.
+    /// Adds to what is done.
     pub(crate) fn add(&self, more: u64) {
         self.show();
         self.bar.inc(more);
     }
 
-    /// Notes how much was done in all.
+    /// Sets how much is done in all.
     pub(crate) fn at(&self, done: u64) {
         self.show();
         self.bar.set_position(done);

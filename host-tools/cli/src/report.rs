@@ -1,4 +1,4 @@
-//! The report of a fit or of an evaluation: the logs are read once more for it.
+//! The report of a fit or of an evaluation. The logs are read a second time for it.
 
 use std::path::{Path, PathBuf};
 
@@ -11,7 +11,7 @@ use tempco_set::run::{KnownLog, apply_to_file, is_rereadable};
 
 use crate::progress::Progress;
 
-/// Refuses logs that cannot be read twice, before any work is done.
+/// Refuses logs that cannot be read twice, before the work begins.
 pub(crate) fn ensure_rereadable(paths: &[PathBuf]) -> Result<()> {
     let pipe = paths
         .iter()
@@ -25,7 +25,7 @@ pub(crate) fn ensure_rereadable(paths: &[PathBuf]) -> Result<()> {
     Ok(())
 }
 
-/// A log as its first reading found it.
+/// A log, as it was when it was first read.
 pub(crate) struct Found {
     pub(crate) log: KnownLog,
     pub(crate) duration_s: f64,
@@ -45,7 +45,7 @@ pub(crate) fn fitted_logs(set: &CoefficientSet, paths: &[PathBuf]) -> Vec<Found>
     found.collect()
 }
 
-/// Runs the logs through the core once more and gathers what the figures show.
+/// Runs the logs through the core again, and gathers the data of the figures.
 pub(crate) fn gather(
     set: &CoefficientSet,
     tau_s: f64,

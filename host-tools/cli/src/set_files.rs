@@ -1,4 +1,4 @@
-//! What a fit leaves behind: the files of a set, and the report on it.
+//! What a fit writes: the files of a set, and the report on it.
 
 use std::path::{Path, PathBuf};
 

@@ -1,4 +1,4 @@
-//! Tables of what a set says of its own fit, for `inspect` and `evaluate`.
+//! Tables of the fit that a set came from: coverage, history terms, choice of the model.
 
 use anyhow::Result;
 use comfy_table::Table;
@@ -6,9 +6,9 @@ use tempco_set::{Candidate, ChannelSet, SegmentSet};
 
 use crate::output::{figure, print, print_lines, states, table};
 
-/// What each segment was fitted from.
+/// The data of each segment.
 pub(crate) fn show_coverage(segments: &[SegmentSet]) -> Result<()> {
-    print("\nWhat each segment was fitted from [degC, degC/min]")?;
+    print("\nData of each segment [degC, degC/min]")?;
     print_lines(coverage(segments))
 }
 
@@ -51,7 +51,7 @@ fn coverage(segments: &[SegmentSet]) -> Table {
     table(&header, rows)
 }
 
-/// Earned states with their gains; nothing where there are none.
+/// History terms with their gains; nothing where there are none.
 pub(crate) fn show_states(channel: &ChannelSet) -> Result<()> {
     let plays = channel.table.plays.iter().map(|play| {
         let width = format!("play, half width {} degC", figure(play.half_width_c.into()));
@@ -85,14 +85,14 @@ pub(crate) fn show_states(channel: &ChannelSet) -> Result<()> {
     if rows.is_empty() {
         return Ok(());
     }
-    print("\nEarned states: bias per degC that the part is behind")?;
-    print_lines(table(&["axis", "state", "gain", "1 sigma"], rows))
+    print("\nHistory terms: bias per degC that the part lags behind")?;
+    print_lines(table(&["axis", "history term", "gain", "1 sigma"], rows))
 }
 
-/// Runner-ups that are shown; the set holds all.
+/// Other candidates that are shown; the set holds all.
 const SHOWN: usize = 6;
 
-/// Errors on what was left out of the fit, and from what the model was chosen.
+/// Errors on soaks and ramps left out of the fit, and the candidates for the model.
 pub(crate) fn show_choice(channel: &ChannelSet) -> Result<()> {
     let held_out = channel
         .axes
@@ -137,7 +137,7 @@ pub(crate) fn show_choice(channel: &ChannelSet) -> Result<()> {
             "terms",
             "tau",
             "kappa",
-            "states",
+            "history",
             "above best",
             "s.e.",
         ];

@@ -16,14 +16,14 @@ use crate::image::{Placed, is_image};
 use crate::output::say;
 use crate::progress::Progress;
 
-/// A set, and a log it is put to.
+/// A set, and a log to run it over.
 #[derive(clap::Args)]
 pub(crate) struct SetAndLog {
-    /// Coefficient set (coefficients.json), or flash image (table.bin), whose axes are those of the
-    /// log in their order
+    /// Coefficient set (coefficients.json) or flash image (table.bin). An image has no names of
+    /// axes: it takes the axes of the log in their order
     #[arg(value_name = "SET")]
     pub(crate) set: PathBuf,
-    /// Log of the unit: CSV, as it is or packed by gzip or zstd, or Parquet
+    /// Log of the unit: CSV (plain, gzip or zstd) or Parquet
     #[arg(value_name = "LOG.csv")]
     pub(crate) log: PathBuf,
     #[command(flatten)]
@@ -63,6 +63,17 @@ fn set_for(path: &Path, image: &Placed, log: &Log) -> Result<CoefficientSet> {
     set.map_err(|reason| Error::msg(format!("{}: {reason}", path.display())))
 }
 
+/// How a result is printed.
+#[derive(clap::Args)]
+pub(crate) struct PrintArgs {
+    /// Print every table, and every message in full
+    #[arg(long)]
+    pub(crate) verbose: bool,
+    /// Print one JSON object, which holds everything
+    #[arg(long, conflicts_with = "verbose")]
+    pub(crate) json: bool,
+}
+
 /// An averaging time on the command line.
 pub(crate) fn averaging_time(text: &str) -> Result<f64, String> {
     number_in(text, &TAU_RANGE_S, "seconds")
@@ -85,25 +96,27 @@ fn number_in(text: &str, range: &RangeInclusive<f64>, unit: &str) -> Result<f64,
 #[derive(clap::Args)]
 #[command(next_help_heading = "Reading logs")]
 pub(crate) struct LogArgs {
-    /// Time column, in seconds, instead of `time_s`
+    /// Column of the time, in s. Default: time_s
     #[arg(long, value_name = "COL")]
     time: Option<String>,
-    /// Temperature column, in degC, instead of `temp_c`; AXIS=COL for one per axis (repeat)
+    /// Column of the temperature, in degC. Default: temp_c. AXIS=COL gives an axis its own; may be
+    /// repeated
     #[arg(long, value_name = "[AXIS=]COL", value_parser = temp_column)]
     temp: Vec<TempColumn>,
-    /// Axis column with its unit; only the axes named so are read (repeat)
+    /// Column of an axis, with its unit. May be repeated. Without, all columns with a name such as
+    /// x_dph are read
     #[arg(long, value_name = "NAME=COL:UNIT", value_parser = axis_column)]
     axis: Vec<AxisColumn>,
-    /// Angle per pulse, in arcsec: turns pulse counts into deg/h
+    /// Angle per pulse, in arcsec. Turns pulse counts into deg/h
     #[arg(long, value_name = "ARCSEC", value_parser = scale_factor, allow_negative_numbers = true)]
     pub(crate) scale_factor: Option<f64>,
-    /// Leave out rows with bad cells and count them, instead of refusing the log
+    /// Leave out and count rows with bad cells. Without, such a log is refused
     #[arg(long)]
     skip_bad_rows: bool,
 }
 
 impl LogArgs {
-    /// Reads a log; without a scale factor of its own, with that of the set.
+    /// Reads a log; the scale factor of the set is used unless one was given.
     pub(crate) fn read(&self, path: &Path, set_scale_factor: Option<f64>) -> Result<Log> {
         let paths = [path.to_owned()];
         let progress = Progress::over(&paths);
@@ -129,7 +142,7 @@ impl LogArgs {
         Ok(logs)
     }
 
-    /// How to read; without a scale factor of its own, with that of the set.
+    /// How to read; the scale factor of the set is used unless one was given.
     pub(crate) fn options(&self, set_scale_factor: Option<f64>) -> ReadOptions {
         ReadOptions {
             mapping: Mapping {
@@ -143,7 +156,7 @@ impl LogArgs {
     }
 }
 
-/// Says what of a log was not used.
+/// Names the columns of a log that were not used, and counts the rows.
 fn say_unused(file: &str, ignored_columns: &[String], skipped_rows: usize) {
     if !ignored_columns.is_empty() {
         say!("{file}: columns not used: {}", list_names(ignored_columns));

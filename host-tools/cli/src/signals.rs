@@ -1,4 +1,4 @@
-//! Signals that tell the command to end: it removes what is unfinished, then ends by the signal.
+//! Signals that end the command: it removes unfinished files, then ends by the signal.
 
 use std::fs;
 use std::io;
@@ -27,8 +27,8 @@ pub(crate) fn watch() -> io::Result<()> {
     Ok(())
 }
 
-/// The signals that were ignored when the command began, by `nohup` or by a shell for what it runs
-/// in the background; they stay so. Where they cannot be known, `nohup` is honoured.
+/// The signals that were ignored when the command began: by `nohup`, or by a shell for a command in
+/// the background. They stay ignored. Where they cannot be known, `nohup` is honoured.
 fn ignored() -> u64 {
     let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
     let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));

@@ -1,4 +1,4 @@
-//! `tempco simulate`: a log of a simulated unit.
+//! `tempco simulate`: the log of a simulated unit.
 
 use std::fs::File;
 use std::path::{Path, PathBuf};
@@ -12,13 +12,16 @@ use tempco_twin::{
 use crate::Exit;
 use crate::output::{print, print_lines};
 
-/// Simulate a unit in a thermal chamber
+/// Write the log of a simulated unit in a thermal chamber
 #[derive(clap::Args)]
+#[command(
+    after_help = "Example: tempco simulate --unit paper --profile short --out calibration.csv"
+)]
 pub(crate) struct Args {
-    /// The unit: a name of --list, or a TOML file
+    /// The unit: a name from --list, or a TOML file
     #[arg(long, value_name = "NAME|FILE.toml", required_unless_present_any = ["list", "show"])]
     unit: Option<String>,
-    /// The chamber profile: a name of --list, or a TOML file
+    /// The chamber profile: a name from --list, or a TOML file
     #[arg(long, value_name = "NAME|FILE.toml", required_unless_present_any = ["list", "show"])]
     profile: Option<String>,
     /// Seed of all noise; the same seed gives the same bytes
@@ -30,13 +33,13 @@ pub(crate) struct Args {
     /// Where to write the log
     #[arg(long, value_name = "LOG.csv", required_unless_present_any = ["list", "show"])]
     out: Option<PathBuf>,
-    /// Where to write the true cavity temperatures, biases and events
+    /// Where to write the true temperatures of the cavities, biases and events
     #[arg(long, value_name = "TRUTH.csv")]
     truth: Option<PathBuf>,
-    /// List the units and profiles that have a name
+    /// List the named units and profiles
     #[arg(long, exclusive = true)]
     list: bool,
-    /// Print the TOML of a named unit or profile, to start a file of your own from
+    /// Print a named unit or profile as TOML, as a start for your own
     #[arg(long, value_name = "NAME", exclusive = true)]
     show: Option<String>,
 }
@@ -74,7 +77,7 @@ fn source(name: &str) -> Result<&'static str> {
         })
 }
 
-/// Whether an argument is the name of a file: named units have no dots.
+/// Whether an argument is the name of a file: a named unit has no dot.
 fn is_file(argument: &str) -> bool {
     argument.contains(['.', '/', '\\'])
 }

@@ -1,4 +1,4 @@
-//! `tempco evaluate`: how much better the compensated log is.
+//! `tempco evaluate`: a log before and after compensation.
 
 mod show;
 
@@ -11,23 +11,26 @@ use tempco_set::run::KnownLog;
 use tempco_set::{CoefficientSet, Judgement};
 
 use crate::Exit;
+use crate::answer::Answer;
 use crate::image::is_image;
-use crate::judgement::{self, say_rejections};
 use crate::output::{say, write_file};
 use crate::report::{Found, ensure_rereadable, gather, write_figures};
-use crate::shared_args::{SetAndLog, averaging_time, load_set_for};
+use crate::shared_args::{PrintArgs, SetAndLog, averaging_time, load_set_for};
 
-/// Judge a coefficient set on a log
+/// Judge a coefficient set on a log, before and after compensation
 ///
-/// Bias stability, residuals, hysteresis, Allan deviation, boundaries and coverage; docs/metrics.md
-/// says what each figure means. Exits with 1 where the set is rejected: by this log, by its last
-/// sign-off, by the logs it was fitted to, or by its own segments.
+/// Prints the verdict, the reasons for it, and the bias stability of each axis. With --verbose also
+/// residuals, hysteresis, Allan deviation, boundaries and coverage; docs/metrics.md defines them.
+///
+/// Exit code 1: the set is rejected. This log, the last sign-off, the fitted logs or the segments
+/// of the set can be the reason.
 #[derive(clap::Args)]
+#[command(after_help = "Example: tempco evaluate RLG-7/coefficients.json verification.csv")]
 pub(crate) struct Args {
-    /// Set to compare with, such as the one in use; without, the static part of SET
+    /// Compare with this set, such as the one in use. Default: the static part of SET
     #[arg(long, value_name = "SET")]
     against: Option<PathBuf>,
-    /// Averaging time, in s
+    /// Averaging time of the bias stability, in s
     #[arg(
         long,
         value_name = "S",
@@ -36,20 +39,19 @@ pub(crate) struct Args {
         allow_negative_numbers = true
     )]
     tau: f64,
-    /// Note the verdict in SET (coefficients.json): a set that is no better than none on a
-    /// verification log is marked as rejected. Without, SET is not changed
+    /// Keep the verdict of this log in SET (coefficients.json). The log must not be one that SET
+    /// was fitted to
     #[arg(long)]
     sign_off: bool,
-    /// Print one JSON object instead of tables
-    #[arg(long)]
-    json: bool,
-    /// Write the report of the verification, for which the log is read once more
+    /// Write the report of the verification. The log is read a second time for it
     #[arg(long, value_name = "FILE.html")]
     report: Option<PathBuf>,
-    /// Write the figures of the report into a folder, as SVG files
+    /// Write the figures of the report into this folder, as SVG files
     #[arg(long, value_name = "DIR")]
     figures: Option<PathBuf>,
-    // Last, since what follows would stand under its heading.
+    #[command(flatten)]
+    print: PrintArgs,
+    // Last: later options would stand under its heading.
     #[command(flatten)]
     put: SetAndLog,
 }
@@ -58,7 +60,7 @@ pub(crate) fn run(args: &Args) -> Result<Exit> {
     if args.report.is_some() || args.figures.is_some() {
         ensure!(
             !is_image(&args.put.set),
-            "--report: {}: expected coefficients.json; an image has nothing of the fit to report on",
+            "--report: {}: expected coefficients.json; an image holds nothing of the fit",
             args.put.set.display()
         );
         ensure_rereadable(std::slice::from_ref(&args.put.log))?;
@@ -83,26 +85,36 @@ pub(crate) fn run(args: &Args) -> Result<Exit> {
     }
     let judgement = judge(&set, Some(&evaluation));
     write_report(args, &set, &evaluation, &judgement, found)?;
-    if args.json {
-        judgement::print_as_json(&evaluation, &judgement)?;
-    } else {
-        show::show(&evaluation)?;
-        judgement::show(&judgement)?;
-    }
-    let shown = args.put.set.display();
-    say_rejections(&shown, &judgement);
+    let answer = Answer {
+        set: &set,
+        judgement: &judgement,
+        evaluation: Some(&evaluation),
+        is_against: args.against.is_some(),
+        notes: Vec::new(),
+        written: written(args),
+    };
+    let tables = || show::show(&set, &evaluation);
+    answer.print(&args.print, &args.put.set, || &evaluation, tables)?;
     if args.sign_off {
         let written = write_file(&args.put.set, set.to_json().as_bytes());
-        written.context("the verdict was not noted")?;
+        written.context("the verdict was not kept")?;
         let last = set.sign_offs.last();
         let rejects = last.is_some_and(|last| !last.accepted);
         let verdict = if rejects { "rejected" } else { "accepted" };
-        say!("{shown}: marked as {verdict}");
+        say!("{}: marked as {verdict}", args.put.set.display());
     }
     Ok(Exit::of(judgement.is_accepted()))
 }
 
-/// Writes what was asked for of report and figures.
+/// Names the files that were written.
+fn written(args: &Args) -> Vec<String> {
+    let paths = args.report.iter().chain(&args.figures);
+    paths
+        .map(|path| format!("wrote {}", path.display()))
+        .collect()
+}
+
+/// Writes the report and the figures, if they were asked for.
 fn write_report(
     args: &Args,
     set: &CoefficientSet,
@@ -135,11 +147,11 @@ fn ensure_can_sign_off(path: &Path, evaluation: &Evaluation) -> Result<()> {
     ensure!(
         path.extension()
             .is_some_and(|extension| extension == "json"),
-        "--sign-off: {shown}: expected coefficients.json, in which a verdict can be noted"
+        "--sign-off: {shown}: expected coefficients.json, which can keep a verdict"
     );
     ensure!(
         evaluation.log.role == Role::Verification,
-        "--sign-off: {shown} was fitted to {}: expected a log it has not seen",
+        "--sign-off: {shown} was fitted to {}: expected a log that it was not fitted to",
         evaluation.log.file
     );
     Ok(())

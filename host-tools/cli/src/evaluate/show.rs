@@ -1,23 +1,25 @@
-//! An evaluation as tables of at most 100 columns.
+//! All tables of an evaluation, of at most 100 columns.
 
 use anyhow::Result;
 use comfy_table::Table;
 use tempco_evaluate::{AllanCurves, AxisEvaluation, Evaluation, Measured, Role};
+use tempco_set::CoefficientSet;
 
-use crate::output::{figure, percent, print, print_lines, table};
+use crate::answer::without_rounding;
+use crate::output::{figure, percent, print, print_lines, table, without_dust};
 use crate::set_tables::show_coverage;
 
-/// Axes whose Allan curves stand beside each other.
+/// Axes whose Allan curves stand side by side.
 const AXES_ABREAST: usize = 3;
 
-pub(super) fn show(evaluation: &Evaluation) -> Result<()> {
+pub(super) fn show(set: &CoefficientSet, evaluation: &Evaluation) -> Result<()> {
     let log = &evaluation.log;
     let role = match log.role {
         Role::Training => "training log: the set was fitted to it",
         Role::Verification => "verification log: the set was not fitted to it",
         Role::Unknown => "an image does not say what it was fitted to",
     };
-    print(format_args!("{} ({} rows), {role}", log.file, log.rows))?;
+    print(format_args!("\n{} ({} rows), {role}", log.file, log.rows))?;
 
     print("\nBias stability: sigma of means over tau")?;
     print_lines(stability(&evaluation.axes))?;
@@ -44,7 +46,7 @@ pub(super) fn show(evaluation: &Evaluation) -> Result<()> {
     show_hysteresis(&evaluation.axes)?;
     show_allan(&evaluation.axes)?;
 
-    let rows = boundaries(&evaluation.axes);
+    let rows = boundaries(set, &evaluation.axes);
     if !rows.is_empty() {
         print("\nBoundaries between segments")?;
         let header = ["axis", "overlap [degC]", "mismatch", "jump in table"];
@@ -210,7 +212,7 @@ fn show_allan(axes: &[AxisEvaluation]) -> Result<()> {
     })
 }
 
-/// Names the axes for which a figure is missing, reason by reason.
+/// Names the axes for which a value is missing, with the reason.
 fn show_reasons<T>(
     axes: &[AxisEvaluation],
     what: &str,
@@ -284,20 +286,22 @@ fn readings(axis: &AxisEvaluation, what: &str, curve: &AllanCurves) -> Vec<Strin
     row
 }
 
-fn boundaries(axes: &[AxisEvaluation]) -> Vec<Vec<String>> {
-    let of_axis = |axis: &AxisEvaluation| {
-        let name = format!("{} [{}]", axis.axis, axis.unit);
-        let boundaries = axis.boundaries.clone();
-        boundaries.into_iter().map(move |boundary| {
+fn boundaries(set: &CoefficientSet, axes: &[AxisEvaluation]) -> Vec<Vec<String>> {
+    let channels = set.channels.iter();
+    let numbered = channels.flat_map(|of| (0..of.axes.len()).map(move |number| (of, number)));
+    let mut rows = Vec::new();
+    for (axis, (channel, number)) in axes.iter().zip(numbered) {
+        let bias_range = channel.table.static_range(number);
+        rows.extend(axis.boundaries.iter().map(|boundary| {
             vec![
-                name.clone(),
+                format!("{} [{}]", axis.axis, axis.unit),
                 format!("{:.2}..{:.2}", boundary.t_min_c, boundary.t_max_c),
-                figure(boundary.overlap_mismatch),
-                figure(boundary.jump),
+                figure(without_dust(boundary.overlap_mismatch, bias_range)),
+                figure(without_rounding(boundary.jump, channel, number)),
             ]
-        })
-    };
-    axes.iter().flat_map(of_axis).collect()
+        }));
+    }
+    rows
 }
 
 fn dash() -> String {

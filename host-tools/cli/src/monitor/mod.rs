@@ -1,4 +1,4 @@
-//! `tempco monitor`: what a unit measures and how it is.
+//! `tempco monitor`: what a unit measures, and its state.
 
 mod show;
 
@@ -15,22 +15,25 @@ use crate::output::{print_json, say};
 use crate::port_args::PortArgs;
 use crate::status::status_names;
 
-/// Time beyond the period without a message after which the unit is asked again: it may have been
+/// Time beyond the period without a message, after which the unit is asked again: it may have been
 /// reset.
 const SILENCE: Duration = Duration::from_secs(2);
 
-/// Show what a unit measures: temperatures, rates, samples, biases, faults, counters
+/// Show what a unit measures, and its state
 ///
-/// A live view on a terminal, elsewhere one line per message. Ends with an error if the unit falls
-/// silent; a unit that was reset goes on.
+/// Prints temperatures, rates, samples, biases, faults and counters.
+///
+/// A live view on a terminal, else one line per message. Ends with an error if the unit sends
+/// nothing any more. A reset of the unit does not end it.
 #[derive(clap::Args)]
+#[command(after_help = "Example: tempco monitor --port /dev/ttyUSB0")]
 pub(crate) struct Args {
     #[command(flatten)]
     port: PortArgs,
     /// Time between messages, in ms
     #[arg(long, value_name = "MS", default_value_t = 1000)]
     period: u32,
-    /// End after so many messages; without, on Ctrl-C
+    /// End after this number of messages. Without, Ctrl-C ends it
     #[arg(long, value_name = "N")]
     count: Option<u64>,
     /// Print one JSON object per message
@@ -79,7 +82,7 @@ fn wait(unit: &mut Unit, period_ms: u32) -> Result<Telemetry> {
     }
 }
 
-/// Says what was missed between two messages.
+/// Says how many messages were missed between two.
 fn say_lost(last: Option<u32>, index: u32) {
     match last.map(|last| index.wrapping_sub(last)) {
         Some(missed @ 2..=0x7fff_ffff) => say!("{} messages were lost", missed - 1),
@@ -93,9 +96,9 @@ fn say_lost(last: Option<u32>, index: u32) {
 struct Message<'a> {
     #[serde(flatten)]
     telemetry: &'a Telemetry,
-    /// Of the faults that are present.
+    /// Names of the faults that are present.
     fault_names: Vec<&'static str>,
-    /// Of the status of each channel.
+    /// Flags in the status of each channel.
     status_names: Vec<Vec<&'static str>>,
 }
 

@@ -11,11 +11,11 @@ use crate::output::{figure, print, table};
 use crate::port_args::bank_name;
 use crate::status::status_text;
 
-/// Where messages are shown, and how.
+/// How messages are shown.
 pub(super) struct View<'a> {
     identity: &'a Identity,
     is_live: bool,
-    /// Lines of the message before, to be written over.
+    /// Lines of the last message, which the next one overwrites.
     lines: usize,
 }
 
@@ -51,7 +51,7 @@ impl<'a> View<'a> {
         let text = self.block(telemetry);
         let mut out = stdout().lock();
         if self.lines > 0 {
-            // Up to where the last message began, and away with it.
+            // Up to the beginning of the last message, and erase it.
             write!(out, "\x1b[{}A\x1b[J", self.lines)?;
         }
         writeln!(out, "{text}")?;
@@ -98,7 +98,7 @@ impl<'a> View<'a> {
     }
 }
 
-/// How the unit is.
+/// The state of the unit.
 fn state(telemetry: &Telemetry) -> String {
     format!(
         "faults: {}\nmessage {}, {:.1} s after power-on; {} samples, {} temperatures rejected, {} \

@@ -14,18 +14,17 @@ use tempco_set::table_rs;
 use super::{Differences, Replay, hardware, semihosting};
 use crate::output::print;
 
-/// An instruction takes 32 ns of emulated time, about what the board's 25 MHz give it: load and
+/// An instruction takes 32 ns of emulated time, about as on the board with its 25 MHz: load and
 /// latency do not depend on this machine.
 const TIME: MachineTime = MachineTime::Unbound { shift: 5 };
 
 #[derive(clap::Args)]
 pub(super) struct EmulatorArgs {
-    /// Of the emulator, the board to build for: mps2-an386, stm32f405, mps2-an500 or mps2-an505
+    /// Board of the emulator: mps2-an386, stm32f405, mps2-an500 or mps2-an505
     #[arg(long, default_value = "mps2-an386")]
     board: Board,
-    /// Of the emulator, run the whole application, as on a unit: write the set into it over its
-    /// serial link, and send the log the same way; without, the compensators alone, on files,
-    /// which is some 20 times faster
+    /// In the emulator, run the whole application, with set and log over its serial link. Without,
+    /// only the compensators run, about 20 times as fast
     #[arg(long)]
     application: bool,
 }
@@ -73,7 +72,7 @@ fn in_machine(put: &Replay, board: Board, real_time: bool) -> Result<Differences
 
 fn over_link(put: &Replay, link: &Path, real_time: bool) -> Result<Differences> {
     let mut unit = Unit::connect(open(link, 0)?, Patience::default())?;
-    // What is replayed is in the table's unit: the gyro of the emulator is not looked at.
+    // The replayed values are in the unit of the table: the emulated gyro is not read.
     let scale_factor = unit.scale_factor_arcsec()?.into();
     let identity = flash_set(&mut unit, put.image.bytes(), Some(scale_factor), |_| {})?;
     hardware::through(put, &mut unit, &identity, real_time)

@@ -14,7 +14,7 @@ use crate::output::print;
 use crate::port_args::bank_name;
 use crate::progress::Progress;
 
-/// The interval of a log may be off that of the unit by this share: times in logs are rounded.
+/// The interval of a log may differ by this share from the unit's: times in logs are rounded.
 const INTERVAL_TOLERANCE: f64 = 0.1;
 
 /// On a unit, which must have the set.
@@ -44,7 +44,7 @@ pub(super) fn at_port(
     Ok((through(put, &mut unit, &identity, real_time)?, place))
 }
 
-/// Replays the log and says how the unit was before and after.
+/// Replays the log, and prints the state of the unit before and after.
 pub(super) fn through(
     put: &Replay,
     unit: &mut Unit,
@@ -113,7 +113,7 @@ impl ShapeUse for Compare<'_, '_> {
             in_blocks,
             real_time,
         } = self;
-        // The very tables that are in the unit, with room for as many history terms.
+        // The tables that are in the unit, with room for as many history terms.
         let image = put.image.image()?;
         let tables = image.tables::<C, A, MAX_PLAYS, MAX_SLOW_PARTS>()?;
         let progress = Progress::over_rows(put.log.rows() as u64);

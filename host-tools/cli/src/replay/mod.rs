@@ -23,14 +23,19 @@ use crate::output::{print, say};
 use crate::port_args::BAUD;
 use crate::shared_args::SetAndLog;
 
-/// Run a log through the firmware and compare every result with the host, bit for bit
+/// Run a log through the firmware and compare it with the host
 ///
-/// On the emulator, builds the firmware with the table of the set; for that it needs the sources
-/// of tempco. What is missing (compiler target, emulator) is installed. A unit at a serial port
-/// must have the set already (tempco flash-set). Exits with 1 where a result differs.
+/// Every result must be the same, bit for bit. In the emulator, builds the firmware with the table
+/// of the set. This needs the sources of tempco; the compiler target and the emulator are installed
+/// if they are missing. A unit at a serial port must have the set already (tempco flash-set).
+///
+/// Exit code 1: a result differs.
 #[derive(clap::Args)]
+#[command(
+    after_help = "Example: tempco replay RLG-7/coefficients.json verification.csv --target qemu"
+)]
 pub(crate) struct Args {
-    /// Where the firmware runs: `qemu` for the emulator, or the serial port of a unit
+    /// Where the firmware runs: qemu for the emulator, or the serial port of a unit
     #[arg(long, value_name = "qemu|PORT")]
     target: Target,
     #[command(flatten)]
@@ -38,11 +43,11 @@ pub(crate) struct Args {
     /// Baud rate of a serial port
     #[arg(long, value_name = "N", default_value_t = BAUD)]
     baud: u32,
-    /// At the pace of the unit's sampling interrupt, for a log of its sample rate; without, as
-    /// fast as it goes
+    /// Replay at the unit's sample rate, which must be the rate of the log. Without, as fast as
+    /// possible
     #[arg(long)]
     real_time: bool,
-    // Last, since what follows would stand under its heading.
+    // Last: later options would stand under its heading.
     #[command(flatten)]
     put: SetAndLog,
 }
@@ -101,11 +106,11 @@ struct Replay<'a> {
     set: &'a CoefficientSet,
     log: &'a Log,
     inputs: &'a [ChannelInputs<'a>],
-    /// That of the set.
+    /// The image of the set.
     image: &'a Placed,
 }
 
-/// Rows of which the firmware made something else than the host.
+/// Rows for which firmware and host differ.
 struct Differences {
     count: usize,
     first: Option<usize>,

@@ -10,7 +10,7 @@ use super::emulator::build;
 use super::{Differences, Replay};
 use crate::output::print;
 
-/// Builds the image with the set's table, runs it over the log, shows its log.
+/// Builds the firmware with the table of the set, runs it over the log, and prints its messages.
 pub(super) fn in_qemu(put: &Replay, board: Board) -> Result<Differences> {
     let tables: Vec<&TableData> = put.inputs.iter().map(|i| &i.channel.table).collect();
     let streams = use_tables(&tables, MakeStreams(put))??;
@@ -27,7 +27,7 @@ pub(super) fn in_qemu(put: &Replay, board: Board) -> Result<Differences> {
     compare(&streams, &outcomes)
 }
 
-/// A log as the firmware takes it, and what it should answer.
+/// A log as the firmware takes it, and the expected answer.
 struct Streams {
     samples: Vec<u8>,
     expected: Vec<u8>,
@@ -71,7 +71,7 @@ fn compare(streams: &Streams, outcomes: &[u8]) -> Result<Differences> {
     let (expected_header, expected) = streams.expected.split_at(Header::LEN);
     ensure!(
         outcomes.get(..Header::LEN) == Some(expected_header),
-        "the firmware answered with another header than its table's"
+        "the firmware answered with the header of another table"
     );
     let found = &outcomes[Header::LEN..];
     ensure!(

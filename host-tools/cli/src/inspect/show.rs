@@ -1,90 +1,14 @@
-//! `tempco inspect`: what is in a coefficient set.
+//! A coefficient set as tables: coefficients, coverage, errors, rounding, boundaries.
 
-use std::path::PathBuf;
-
-use anyhow::{Result, ensure};
-use serde_json::{Value, json};
+use anyhow::Result;
 use tempco::Terms;
-use tempco_evaluate::{boundaries, judge};
-use tempco_set::{
-    ChannelSet, CoefficientSet, Judgement, LOCAL_TERMS, RejectionCode, TERMS, read_set,
-};
+use tempco_set::{ChannelSet, CoefficientSet, LOCAL_TERMS, TERMS};
 
-use crate::Exit;
-use crate::image;
-use crate::judgement::{self, say_rejections};
-use crate::output::{figure, print, print_lines, table};
+use crate::answer::without_rounding;
+use crate::output::{figure, print, print_lines, table, without_dust};
 use crate::set_tables::{show_choice, show_coverage, show_states};
 
-/// Show a coefficient set: segments, ranges, mismatches, jumps, CRC, provenance
-///
-/// Also reads printed static coefficients from CSV (gyro, segment, temp_min_c, temp_max_c,
-/// a0_pulses, ...), and flash images, which it can compare with the set they are made from. Exits
-/// with 1 where the set is rejected, where an image is not that of the set, and where the files in
-/// the folder of the set are not of one set.
-#[derive(clap::Args)]
-pub(crate) struct Args {
-    /// Coefficient set (coefficients.json, or printed coefficients as .csv) or flash image (.bin)
-    #[arg(value_name = "SET")]
-    set: PathBuf,
-    /// Of a flash image: the coefficients.json it should be made from
-    #[arg(long, value_name = "SET")]
-    against: Option<PathBuf>,
-    /// Print one JSON object instead of tables: the set and what is derived from it
-    #[arg(long)]
-    json: bool,
-}
-
-pub(crate) fn run(args: &Args) -> Result<Exit> {
-    if image::is_image(&args.set) {
-        ensure!(!args.json, "--json: expected with a coefficient set only");
-        return image::inspect(&args.set, args.against.as_deref());
-    }
-    ensure!(
-        args.against.is_none(),
-        "--against: expected with a flash image (.bin) only"
-    );
-    let set = read_set(&args.set)?;
-    let judgement = judge(&set, None);
-    if args.json {
-        judgement::print_as_json(derived(&set, &judgement), &judgement)?;
-    } else {
-        show(&set)?;
-        judgement::show(&judgement)?;
-    }
-    say_rejections(args.set.display(), &judgement);
-    let is_whole = image::is_folder_whole(&args.set);
-    Ok(Exit::of(judgement.is_accepted() && is_whole))
-}
-
-/// The set with what follows from it.
-fn derived(set: &CoefficientSet, judgement: &Judgement) -> Value {
-    let of_channel = |channel: &ChannelSet| {
-        let axes = channel.axes.iter().enumerate().map(|(number, axis)| {
-            json!({
-                "axis": axis.name,
-                "unit": axis.unit,
-                "static_range": channel.table.static_range(number),
-                "rounding_bound": channel.table.rounding_bound(number).total,
-                "max_jump": channel.table.max_jump(number),
-                "boundaries": boundaries(channel, number),
-            })
-        });
-        json!({"temperature": channel.temperature, "axes": axes.collect::<Vec<_>>()})
-    };
-    let channels: Vec<Value> = set.channels.iter().map(of_channel).collect();
-    let rejections = judgement.rejections.iter();
-    let alarms = rejections.filter(|of| of.code == RejectionCode::SegmentsDisagree);
-    let alarms: Vec<_> = alarms.map(|of| of.axis.as_deref()).collect();
-    json!({
-        "set": set,
-        "rejected": !judgement.is_accepted(),
-        "alarms": alarms,
-        "channels": channels,
-    })
-}
-
-fn show(set: &CoefficientSet) -> Result<()> {
+pub(super) fn show(set: &CoefficientSet) -> Result<()> {
     print(format_args!(
         "unit {}, {} model, {} overlap, table CRC-32P4 {}",
         set.serial,
@@ -107,7 +31,7 @@ fn show(set: &CoefficientSet) -> Result<()> {
             "accepted".to_owned()
         } else {
             format!(
-                "rejected: no better than none on {}",
+                "rejected: not improved on {}",
                 verdict.worse_axes.join(", ")
             )
         };
@@ -165,14 +89,18 @@ fn show_channel(channel: &ChannelSet) -> Result<()> {
 
     let mut rows = Vec::new();
     for (number, axis) in channel.axes.iter().enumerate() {
+        let bias_range = data.static_range(number);
+        let jump = without_rounding(data.max_jump(number).into(), channel, number);
         for mismatch in channel.mismatches(number) {
+            let [largest, at_switch] = [mismatch.overlap_mismatch, mismatch.switch_jump]
+                .map(|difference| without_dust(difference, bias_range));
             rows.push(vec![
                 format!("{} [{}]", axis.name, axis.unit),
                 format!("{:.2}..{:.2}", mismatch.t_min_c, mismatch.t_max_c),
-                format!("{:.4}", mismatch.overlap_mismatch),
-                format!("{:+.4}", mismatch.switch_jump),
-                figure(mismatch.overlap_mismatch / data.static_range(number)),
-                figure(data.max_jump(number).into()),
+                figure(largest),
+                figure(at_switch),
+                figure(largest / bias_range),
+                figure(jump),
             ]);
         }
     }
@@ -191,7 +119,7 @@ fn show_channel(channel: &ChannelSet) -> Result<()> {
     Ok(())
 }
 
-/// What the core's f32 arithmetic can cost, beside what there is to compensate.
+/// What the core's f32 arithmetic can cost, next to what there is to compensate.
 fn show_rounding(channel: &ChannelSet) -> Result<()> {
     let rows = channel.axes.iter().enumerate().map(|(number, axis)| {
         let bound = channel.table.rounding_bound(number);
