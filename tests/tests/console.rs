@@ -119,7 +119,7 @@ fn an_answer_fits_on_a_screen_whatever_the_verdict() {
         );
 
         let turned = bench.run(&format!("evaluate {set} turned.csv --tau 10"));
-        let rejected = answer(&turned, "rejected\nrejection no_better_than_none: axi");
+        let rejected = answer(&turned, "rejected\nrejection no_better_than_none: ax");
         assert_eq!(
             rejected.matches("no_better_than_none").count(),
             1,
@@ -243,7 +243,7 @@ fn rounding_dust_is_shown_as_0() {
 #[test]
 fn the_examples_of_the_help_work() {
     let bench = Bench::new();
-    bench.ok("simulate --unit paper --profile short --seed 2 --out verification.csv");
+    bench.ok("simulate --unit paper --profile verification --seed 2 --out verification.csv");
     for command in ["simulate", "fit", "evaluate", "inspect", "apply"] {
         let help = bench.ok(&format!("{command} --help"));
         let mut lines = help.lines();

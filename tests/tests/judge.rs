@@ -5,7 +5,7 @@ use std::fs;
 
 use serde_json::{Value, json};
 use tempco_evaluate::judge;
-use tempco_fit::batch::{Outcome, Summary, UnitFigures};
+use tempco_fit::batch::{Outcome, Summary, UnitResult};
 use tempco_set::{CoefficientSet, RejectionCode, WarningCode};
 use tempco_tests::Bench;
 
@@ -363,7 +363,7 @@ fn a_set_is_judged_alike_by_all_commands() {
         let summary = Summary::new(vec![Outcome {
             serial: "S1".to_owned(),
             logs: 1,
-            result: Ok(UnitFigures::new(&set, judge(&set, None))),
+            result: Ok(UnitResult::new(&set, judge(&set, None))),
         }]);
         let in_summary = said_in_summary(&summary.csv(), "S1");
         assert_eq!(in_summary, (evaluated.0, evaluated.2), "{name}: batch");
@@ -414,9 +414,12 @@ fn fit_and_batch_judge_training_logs_alike() {
 #[test]
 fn every_code_is_documented() {
     let page = include_str!("../../docs/report.md");
-    let rejections = RejectionCode::ALL.iter().map(|code| code.name());
-    let warnings = WarningCode::ALL.iter().map(|code| code.name());
-    for code in rejections.chain(warnings) {
-        assert!(page.contains(&format!("| `{code}` |")), "{code}");
+    let rejections = RejectionCode::ALL.iter();
+    let rejections = rejections.map(|code| (code.name(), code.meaning(), code.advice()));
+    let warnings = WarningCode::ALL.iter();
+    let warnings = warnings.map(|code| (code.name(), code.meaning(), code.advice()));
+    for (code, meaning, advice) in rejections.chain(warnings) {
+        let row = format!("| `{code}` | {meaning} | {advice} |\n");
+        assert!(page.contains(&row), "{row}");
     }
 }

@@ -78,6 +78,43 @@ fn reports_read_well_on_every_screen() {
     }
 }
 
+/// Seven units and one whose log is cut off.
+#[test]
+fn the_page_of_a_batch_reads_well_and_is_filtered() {
+    let bench = Bench::new();
+    fs::create_dir(bench.path("logs")).unwrap();
+    for seed in 1..=7 {
+        let log = format!("logs/RLG-{seed:03}.csv");
+        bench.ok(&format!(
+            "simulate --unit paper --profile short --seed {seed} --out {log}"
+        ));
+    }
+    let log = fs::read_to_string(bench.path("logs/RLG-001.csv")).unwrap();
+    bench.write("logs/CUT.csv", &log[..5000]);
+    let ran = bench.run("fit --batch logs --out sets --segments 6:45");
+    assert_eq!(ran.code, 1, "{}{}", ran.out, ran.err);
+
+    let mut browser = Browser::start();
+    let page = bench.path("sets/summary.html");
+    let figures = ["x", "y", "z"].map(|axis| format!("distribution-{axis}-pulses_s"));
+    for (width, dark) in [(NARROW, false), (WIDE, true), (WIDE, false)] {
+        let screen = Screen { width, dark };
+        let found = browser.findings(&page, screen, &figures);
+        let scheme = if dark { "-dark" } else { "" };
+        browser.screenshot(&kept(&format!("batch-{width}{scheme}.png")));
+        assert!(found.is_empty(), "{screen:?}: {found:#?}");
+    }
+    browser.print(&kept("batch.pdf"));
+    let shown = "[...document.querySelectorAll('tr.unit')].filter(row => row.offsetHeight).length";
+    assert_eq!(browser.evaluate(shown), 8);
+    browser.evaluate("document.getElementById('show-failed').click()");
+    assert_eq!(browser.evaluate(shown), 1);
+    let faint = "getComputedStyle(document.querySelector('svg .unit')).opacity";
+    assert_eq!(browser.evaluate(faint), "0.12");
+    browser.evaluate("document.getElementById('show-all').click()");
+    assert_eq!(browser.evaluate(shown), 8);
+}
+
 /// Spoils a good page in every way that is looked for.
 fn the_look_notices_what_is_wrong(bench: &Bench, browser: &mut Browser) {
     let good = fs::read_to_string(bench.path("set/report.html")).unwrap();
@@ -151,6 +188,10 @@ fn the_page_rejects_what_does_harm_and_trusts_no_name() {
     let fitted = page("set/report.html");
     assert!(fitted.contains("Calibration of unit &lt;b&gt;&amp;&quot;S1</h1>"));
     assert!(fitted.contains("Not verified on a log"));
+    let (verdict, _) = fitted.split_once("</section>").unwrap();
+    for covered in ["Calibrated for", "temp_c: T ", " degC, T' ", " degC/min"] {
+        assert!(verdict.contains(covered), "{verdict}");
+    }
     let ran = bench.run("evaluate set/coefficients.json turned.csv --report turned.html");
     assert_eq!(ran.code, 1, "{}{}", ran.out, ran.err);
     let rejected = page("turned.html");

@@ -5,11 +5,12 @@ use std::path::Path;
 
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use tempco_fit::batch::{
-    Outcome, SUMMARY_FILES, Summary, UnitFigures, UnitLogs, check_serial, find_units,
+    Outcome, SUMMARY_FILES, Summary, UnitLogs, UnitResult, check_serial, find_units,
 };
 use tempco_fit::summary::{Plan, summarise_file};
 use tempco_fit::{FitOptions, fit_summaries};
 use tempco_log::{ReadOptions, parallel};
+use tempco_report::batch_page;
 use tempco_set::WarningCode;
 use tempco_set::files::write_files;
 use tempco_set::run::is_rereadable;
@@ -43,7 +44,7 @@ pub(crate) fn run(
     });
     drop(progress);
     let summary = Summary::new(outcomes);
-    let (csv, html) = (summary.csv(), summary.html());
+    let (csv, html) = (summary.csv(), batch_page(&summary, with_report)?);
     let [csv_name, html_name] = SUMMARY_FILES;
     let files = [(csv_name, &csv[..]), (html_name, html.as_bytes())];
     write_files(out, &files).context("the summary was not written")?;
@@ -75,7 +76,7 @@ fn fit_unit(
     (reading, plan, options): (&ReadOptions, &Plan, &FitOptions),
     with_report: bool,
     progress: &Progress,
-) -> Result<UnitFigures> {
+) -> Result<UnitResult> {
     ensure!(
         !unit.logs.is_empty(),
         "no log in its folder: expected .csv, .csv.gz, .csv.zst or .parquet"
@@ -106,7 +107,7 @@ fn fit_unit(
         None
     };
     write(&out.join(&unit.serial), &fit.set, report.as_ref())?;
-    Ok(UnitFigures::new(&fit.set, judgement))
+    Ok(UnitResult::new(&fit.set, judgement))
 }
 
 /// A row for each unit, of the axis that improves least.

@@ -27,7 +27,7 @@ use crate::shared_args::{LogArgs, PrintArgs, averaging_time};
 /// and DIR/summary.csv compare the units. A unit that fails is listed there with its error; the
 /// others are fitted, and the exit code is 1.
 #[derive(clap::Args)]
-#[command(after_help = "Example: tempco fit calibration.csv --serial RLG-7 --out RLG-7")]
+#[command(after_help = "Example: tempco fit chamber.csv --serial RLG-7 --out RLG-7")]
 pub(crate) struct Args {
     /// Chamber logs of the unit: CSV (plain, gzip or zstd) or Parquet
     #[arg(required_unless_present = "batch", value_name = "LOG.csv")]

@@ -38,7 +38,7 @@ use tempco_set::escape;
     name = "tempco",
     version,
     max_term_width = output::WIDTH as usize,
-    after_help = "Example: tempco fit calibration.csv --serial RLG-7 --out RLG-7\n\n\
+    after_help = "Example: tempco fit chamber.csv --serial RLG-7 --out RLG-7\n\n\
                   Exit codes: 0 done; 1 done, but not acceptable; 2 bad usage or bad input."
 )]
 struct Cli {

@@ -15,7 +15,7 @@ use crate::output::{print, print_lines};
 /// Write the log of a simulated unit in a thermal chamber
 #[derive(clap::Args)]
 #[command(
-    after_help = "Example: tempco simulate --unit paper --profile short --out calibration.csv"
+    after_help = "Example: tempco simulate --unit paper --profile calibration --out chamber.csv"
 )]
 pub(crate) struct Args {
     /// The unit: a name from --list, or a TOML file

@@ -11,7 +11,11 @@ use crate::{Board, Error, Options, Profile, Variant, Workspace, build, build_hos
 /// How the program is compiled for the host: the name, the profile, and what is changed in it.
 pub const HOST_BUILDS: [(&str, Profile, Variant); 3] = [
     ("host, dev", Profile::Dev, Variant::USUAL),
-    ("host, firmware's profile", Profile::Firmware, Variant::USUAL),
+    (
+        "host, firmware's profile",
+        Profile::Firmware,
+        Variant::USUAL,
+    ),
     (
         "host, firmware's profile with checks",
         Profile::Firmware,

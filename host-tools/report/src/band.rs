@@ -2,8 +2,8 @@
 
 use tempco_set::AxisSet;
 
-/// 1 sigma of the static bias at a temperature \[unit of the axis\]; where segments overlap, that
-/// of the less certain one. None outside of all segments or where no uncertainty is known.
+/// 1 sigma of the static bias at a temperature \[unit of the axis\]; where segments overlap, the
+/// larger one. None outside of all segments or where no uncertainty is known.
 pub(crate) fn sigma_at(axis: &AxisSet, temp_c: f64) -> Option<f64> {
     let of_segments = axis.polynomials.iter().zip(&axis.sigmas);
     of_segments

@@ -7,15 +7,19 @@
 //! ```
 //!
 //! The figures are drawn from what a [`Gatherer`] has collected of the rows, so that a log of any
-//! length can be shown; the figures of merit are those of the set and of the evaluation.
+//! length can be shown. The numbers in the tables are the set's and the evaluation's own.
+//!
+//! [`batch_page`] makes a page of the summary of a batch, in the same frame and style.
 #![forbid(unsafe_code)]
 
 mod band;
+mod batch;
 mod figure;
 mod gather;
 mod page;
 mod text;
 
+pub use batch::batch_page;
 pub use gather::{Gatherer, LogTimes};
 pub use text::{states, table};
 
@@ -30,7 +34,7 @@ use figure::Figures;
 pub struct Subject<'a> {
     /// The set.
     pub set: &'a CoefficientSet,
-    /// How it does on the log that is shown; none where the logs are those of the fit.
+    /// How it does on the log that is shown; none where the logs are the fitted ones.
     pub evaluation: Option<&'a Evaluation>,
     /// The verdict.
     pub judgement: &'a Judgement,

@@ -1,4 +1,4 @@
-//! How figures are written.
+//! How numbers are written.
 
 use comfy_table::{CellAlignment, Table, presets};
 use tempco_evaluate::figure;
@@ -11,7 +11,7 @@ pub(crate) fn seconds(value: f64) -> String {
     format!("{short} s")
 }
 
-/// Half widths and time constant of the states, such as `3 degC + 4500 s`.
+/// Half widths and time constant of the history terms, such as `3 degC + 4500 s`.
 pub fn states(of: &Candidate) -> String {
     let plays = of
         .half_widths_c

@@ -76,6 +76,19 @@ pub fn file_name(text: &str) -> String {
     plain.collect()
 }
 
+/// A part of the path of a link: it names no other folder and no scheme, and is plain ASCII.
+pub fn url_part(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for byte in text.bytes() {
+        if byte.is_ascii_alphanumeric() || b"-_.~".contains(&byte) {
+            out.push(byte.into());
+        } else {
+            let _ = write!(out, "%{byte:02X}");
+        }
+    }
+    out
+}
+
 /// A text within HTML, also within a quoted attribute.
 pub fn html(text: &str) -> String {
     line(text)
@@ -147,6 +160,15 @@ mod tests {
     fn a_name_of_a_file_names_no_folder() {
         assert_eq!(file_name("bias-x_1"), "bias-x_1");
         assert_eq!(file_name("a/../..\\b c\n"), "a_.._.._b_c_");
+    }
+
+    #[test]
+    fn a_part_of_a_link_is_no_scheme_and_no_path() {
+        assert_eq!(url_part("SN-7_a.1~"), "SN-7_a.1~");
+        assert_eq!(
+            url_part("javascript:x/\u{e9}?#"),
+            "javascript%3Ax%2F%C3%A9%3F%23"
+        );
     }
 
     #[test]

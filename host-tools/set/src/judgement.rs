@@ -28,13 +28,15 @@ impl Verdict {
     }
 }
 
-/// Codes that stay the same from version to version, each with its word.
+/// Codes that stay the same from version to version, each with its word, what it means and what to do.
 macro_rules! codes {
-    ($(#[$doc:meta])* $name:ident { $($(#[$of_code:meta])* $code:ident = $word:literal,)+ }) => {
+    ($(#[$doc:meta])* $name:ident {
+        $($code:ident = $word:literal: $meaning:literal, $advice:literal;)+
+    }) => {
         $(#[$doc])*
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
         pub enum $name {
-            $($(#[$of_code])* #[serde(rename = $word)] $code,)+
+            $(#[doc = $meaning] #[serde(rename = $word)] $code,)+
         }
 
         impl $name {
@@ -47,6 +49,20 @@ macro_rules! codes {
                     $(Self::$code => $word,)+
                 }
             }
+
+            /// What was found, in a sentence.
+            pub const fn meaning(self) -> &'static str {
+                match self {
+                    $(Self::$code => $meaning,)+
+                }
+            }
+
+            /// What to do about it.
+            pub const fn advice(self) -> &'static str {
+                match self {
+                    $(Self::$code => $advice,)+
+                }
+            }
         }
     };
 }
@@ -54,59 +70,81 @@ macro_rules! codes {
 codes! {
     /// Why a set is rejected.
     RejectionCode {
-        /// Neighbouring segments disagree by more than half of the bias range
-        /// ([`MISMATCH_ALARM`](crate::MISMATCH_ALARM)).
-        SegmentsDisagree = "segments_disagree",
-        /// The bias stability or the RMS error with compensation is not below the one without.
-        NoBetterThanNone = "no_better_than_none",
+        SegmentsDisagree = "segments_disagree":
+            "Neighbouring segments disagree by more than half of the bias range.",
+            "Do not use the set. Add rows where the segments overlap, or a soak in that range.";
+        NoBetterThanNone = "no_better_than_none":
+            "On an axis, the bias stability or the RMS error with compensation is not below the one without.",
+            "Do not use the set. Check that log and unit belong together, then calibrate again.";
     }
 }
 
 codes! {
     /// What should be known of a set before it is used.
     WarningCode {
-        /// Rows in stretches that were excluded on request.
-        ExcludedRows = "excluded_rows",
-        /// Rows left out as spikes.
-        Spikes = "spikes",
-        /// Rows left out as disturbed for ten seconds or more.
-        DisturbedRows = "disturbed_rows",
-        /// Rows whose temperature or interval the core did not accept.
-        UnusableRows = "unusable_rows",
-        /// Rows at temperatures outside the given segments.
-        RowsOutsideSegments = "rows_outside_segments",
-        /// The bias of an axis steps.
-        BiasStep = "bias_step",
-        /// Terms of a segment were dropped, since the rows cannot separate them from the others.
-        TermsDropped = "terms_dropped",
-        /// The model has no rate terms, since they improve nothing.
-        NoRateTerms = "no_rate_terms",
-        /// An axis has no rate terms, since they do not improve it.
-        RateTermsDropped = "rate_terms_dropped",
-        /// An axis has no history terms, since they do not improve it.
-        HistoryTermsDropped = "history_terms_dropped",
-        /// All ramps are of one rate, from which no history term can be found.
-        HistoryTermsNotTried = "history_terms_not_tried",
-        /// On soaks and ramps left out of the fit, compensation does not help an axis.
-        HeldOutNoBetter = "held_out_no_better",
-        /// On soaks and ramps left out of the fit, a simpler model does better.
-        SimplerModelBetter = "simpler_model_better",
-        /// The fitted rows span little of a segment.
-        ThinSegment = "thin_segment",
-        /// The coefficients of a segment are hardly determined.
-        IllConditioned = "ill_conditioned",
-        /// Boundaries between segments were moved to the grid of the table.
-        BoundaryMoved = "boundary_moved",
-        /// Rounding in f32 is not small against the bias stability.
-        Rounding = "rounding",
-        /// What remains on the judged log follows the temperature.
-        ResidualFollowsTemperature = "residual_follows_temperature",
-        /// What remains on the judged log follows the rate of temperature.
-        ResidualFollowsRate = "residual_follows_rate",
-        /// On the judged log, the reference does better than the set.
-        ReferenceBetter = "reference_better",
-        /// Many rows of the judged log have a flag in their status.
-        FlaggedRows = "flagged_rows",
+        ExcludedRows = "excluded_rows":
+            "Rows lie in a stretch that `--exclude` leaves out.",
+            "Check that the right stretch was left out.";
+        Spikes = "spikes":
+            "Rows were left out as spikes.",
+            "A few are normal. If there are many, look for a loose cable.";
+        DisturbedRows = "disturbed_rows":
+            "Rows were left out as disturbed for 10 s or more.",
+            "Look for somebody at the door or a loose cable at these times.";
+        UnusableRows = "unusable_rows":
+            "Rows were not fitted, since the core did not accept their temperature or interval.",
+            "A few are normal. If there are many, check the sensor and the recording.";
+        RowsOutsideSegments = "rows_outside_segments":
+            "Rows lie outside the given segments.",
+            "At run time the temperature is clamped there. Extend the segments or shorten the run.";
+        BiasStep = "bias_step":
+            "The bias of an axis steps.",
+            "Look at the log there. If the step is not of the unit, leave the stretch out with `--exclude`.";
+        TermsDropped = "terms_dropped":
+            "A segment lacks terms that its rows cannot separate from the others.",
+            "Calibrate with a second rate in that range, or accept fewer terms.";
+        NoRateTerms = "no_rate_terms":
+            "The chosen model has no rate terms.",
+            "If the unit depends on the rate, calibrate with several rates, up and down.";
+        RateTermsDropped = "rate_terms_dropped":
+            "An axis has no rate terms.",
+            "If the axis depends on the rate, calibrate with several rates, up and down.";
+        HistoryTermsDropped = "history_terms_dropped":
+            "An axis has no history terms, others have.",
+            "If the axis has hysteresis, calibrate with more rates and turning points.";
+        HistoryTermsNotTried = "history_terms_not_tried":
+            "All ramps are of one rate, so hysteresis and lag cannot be separated.",
+            "Calibrate with a second rate, if the unit has hysteresis.";
+        HeldOutNoBetter = "held_out_no_better":
+            "On soaks and ramps left out of the fit, an axis is not better than without compensation.",
+            "Do not use the set before a verification log accepts it.";
+        SimplerModelBetter = "simpler_model_better":
+            "On soaks and ramps left out of the fit, a simpler model does better by 5 % or more.",
+            "Fit the simpler model, or let `--model auto` choose.";
+        ThinSegment = "thin_segment":
+            "The fitted rows span less than 80 % of a segment.",
+            "Make the segment narrower or the run wider.";
+        IllConditioned = "ill_conditioned":
+            "The condition number of a segment is above 100.",
+            "The coefficients are hardly determined. Make the segment wider, or add rates in that range.";
+        BoundaryMoved = "boundary_moved":
+            "A boundary between segments was moved by more than 0.01 degC to the grid of the table.",
+            "Choose boundaries on a common grid, such as 5 degC.";
+        Rounding = "rounding":
+            "Rounding in f32 can exceed 1 % of the bias stability with compensation.",
+            "State the bound of the rounding in the sign-off.";
+        ResidualFollowsTemperature = "residual_follows_temperature":
+            "The residual has a correlation with the temperature beyond 0.5.",
+            "Fit with `--model auto` or more segments. If that does not help, calibrate again.";
+        ResidualFollowsRate = "residual_follows_rate":
+            "The residual has a correlation with the rate of temperature beyond 0.5.",
+            "Fit with `--model auto`. If that does not help, calibrate with more rates.";
+        ReferenceBetter = "reference_better":
+            "The reference of the evaluation does better than the set.",
+            "Use the reference, or calibrate again.";
+        FlaggedRows = "flagged_rows":
+            "More than 1 % of the rows have a flag in their status other than `settling`.",
+            "The log leaves the calibrated range. Calibrate over a wider range.";
     }
 }
 

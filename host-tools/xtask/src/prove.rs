@@ -68,7 +68,10 @@ fn intermediate_code(workspace: &Workspace) -> Result<PathBuf> {
     let folder = workspace.root().join("target/prove");
     std::fs::create_dir_all(&folder)?;
     let file = folder.join("shims.ll");
-    let mut build = cargo(workspace, &["rustc", "--quiet", "--profile", "firmware", "--locked"]);
+    let mut build = cargo(
+        workspace,
+        &["rustc", "--quiet", "--profile", "firmware", "--locked"],
+    );
     build.args(["--package", "tempco-prove-shims", "--target", TARGET]);
     // Of its own, so that the file cannot be gone while cargo takes it for fresh.
     build.arg("--target-dir").arg(folder.join("build"));

@@ -166,7 +166,7 @@ mod tests {
     }
 
     #[test]
-    fn the_summary_beside_the_logs_is_none() {
+    fn the_summary_among_the_logs_is_no_log() {
         let folder = tempfile::tempdir().unwrap();
         let root = folder.path();
         for name in ["A1.csv", "summary.csv"] {

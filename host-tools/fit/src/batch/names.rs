@@ -1,4 +1,4 @@
-//! Serial numbers as names of folders, beside each other and beside the summary.
+//! Serial numbers as names of folders, next to each other and to the summary.
 
 use std::ffi::OsStr;
 use std::path::Path;
@@ -10,15 +10,19 @@ use super::UnitLogs;
 /// Names of the files of the summary.
 pub const SUMMARY_FILES: [&str; 2] = ["summary.csv", "summary.html"];
 
-/// Checks that a serial number can be the name of a folder of its own, beside those of all `units`.
+/// Whether a serial number can be the name of a folder within another.
+pub fn is_folder_name(serial: &str) -> bool {
+    Path::new(serial).file_name() == Some(OsStr::new(serial))
+}
+
+/// Checks that a serial number can be the name of a folder of its own, next to the folders of all `units`.
 ///
 /// # Errors
-/// No name of a folder, the name of a file of the summary, or one that differs from that of
-/// another unit by case alone.
+/// No name of a folder, the name of a file of the summary, or one that differs from another unit's
+/// by case only.
 pub fn check_serial(serial: &str, units: &[UnitLogs]) -> Result<(), SerialError> {
     let serial_of = || serial.to_owned();
-    let is_name = Path::new(serial).file_name() == Some(OsStr::new(serial));
-    if !is_name || (cfg!(windows) && !is_name_on_windows(serial)) {
+    if !is_folder_name(serial) || (cfg!(windows) && !is_name_on_windows(serial)) {
         return Err(SerialError::NoName(serial_of()));
     }
     let lower = serial.to_lowercase();
@@ -51,9 +55,9 @@ pub enum SerialError {
     #[error("serial number `{0}`: expected a name that a folder can have")]
     NoName(String),
     /// It is the name of a file of the summary.
-    #[error("serial number `{0}`: expected another name than that of the batch's summary")]
+    #[error("serial number `{0}`: expected another name, since the batch's summary has this one")]
     Summary(String),
-    /// Two units whose folders are one where the file system does not tell case.
+    /// Two units whose folders are one where the file system ignores case.
     #[error("serial numbers `{0}` and `{1}` differ by case only: expected different ones")]
     Case(String, String),
 }
@@ -79,8 +83,8 @@ mod tests {
             ("../B2", "a folder can have"),
             ("B2/", "a folder can have"),
             ("/B2", "a folder can have"),
-            ("summary.csv", "the batch's summary"),
-            ("Summary.HTML", "the batch's summary"),
+            ("summary.csv", "the batch's summary has this one"),
+            ("Summary.HTML", "the batch's summary has this one"),
             ("A1", "`A1` and `a1` differ by case only"),
             ("a1", "`a1` and `A1` differ by case only"),
         ] {

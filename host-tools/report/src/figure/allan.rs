@@ -1,19 +1,15 @@
 //! Allan deviations before and after.
 
-use std::ops::Range;
-
 use plotters::element::DashedPathElement;
 use plotters::prelude::*;
 use tempco_set::AxisSet;
 
 use super::canvas::{DrawError, FINE, Figure};
 use super::frame::{BELOW, Key, LEFT, Mark, dot, line, text, titled, triangle, with_unit};
+use super::log_scale::{around, tick, ticks};
 use super::palette::{AFTER, BEFORE, GRID, MUTED};
 use crate::ReportError;
 use crate::gather::{Deviation, GatheredAxis};
-
-/// Room around the curves, as a factor.
-const MARGIN: f64 = 1.6;
 
 const KEYS: [Key; 3] = [
     (Mark::Triangle(BEFORE), "before"),
@@ -86,41 +82,4 @@ pub(super) fn draw(
             Ok(())
         },
     )
-}
-
-/// A range around positive values, with a margin.
-fn around(values: impl Iterator<Item = f64>) -> Range<f64> {
-    let positive = values.filter(|&value| value > 0.0);
-    let (low, high) = positive.fold((f64::INFINITY, 0.0), |(low, high): (f64, f64), value| {
-        (low.min(value), high.max(value))
-    });
-    if low > high {
-        return 0.1..10.0;
-    }
-    low / MARGIN..high * MARGIN
-}
-
-/// Powers of ten in a range; where there are few of them, also twice and five times these.
-fn ticks(range: &Range<f64>) -> Vec<f64> {
-    let [low, high] = [range.start, range.end].map(|end| end.log10().floor() as i32);
-    let times = |factors: &[f64]| -> Vec<f64> {
-        let powers = (low..=high).map(|power| 10_f64.powi(power));
-        let ticks = powers.flat_map(|power| factors.iter().map(move |factor| factor * power));
-        ticks.filter(|tick| range.contains(tick)).collect()
-    };
-    match times(&[1.0]) {
-        ticks if ticks.len() > 2 => ticks,
-        _ => times(&[1.0, 2.0, 5.0]),
-    }
-}
-
-/// A tick in as few letters as it takes.
-fn tick(value: &f64) -> String {
-    if (1e-3..1e5).contains(value) {
-        // Twice and five times a power of ten are not exact.
-        let decimals = (-value.log10()).ceil().max(0.0) as usize;
-        format!("{value:.decimals$}")
-    } else {
-        format!("{value:.0e}")
-    }
 }

@@ -28,10 +28,11 @@ pub(crate) struct Figure {
     body: String,
 }
 
-/// Places that show a value when pointed at, in fine pixels.
+/// Places that show a value when pointed at, in fine pixels, and marks that are drawn last.
 #[derive(Default)]
 pub(super) struct Hovers {
     places: Vec<(Place, String)>,
+    marks: Vec<Markup>,
 }
 
 enum Place {
@@ -51,8 +52,14 @@ impl Hovers {
         self.places.push((Place::Rectangle(low, high), text));
     }
 
+    /// A mark of its own, which can have a class, unlike what plotters draws.
+    pub(super) fn mark(&mut self, mark: Markup) {
+        self.marks.push(mark);
+    }
+
     fn markup(&self) -> Markup {
         html! {
+            @for mark in &self.marks { (mark) }
             g fill-opacity="0" {
                 @for (place, text) in &self.places {
                     @match place {

@@ -39,7 +39,7 @@ pub(super) const BAND: f64 = 0.22;
 
 /// Text of a size in units of the figure.
 pub(super) fn text(size: i32, colour: RGBColor) -> TextStyle<'static> {
-    // plotters takes the size for that of a box that is 1.24 times as high.
+    // plotters takes the size of a box that is 1.24 times as high.
     ("sans-serif", 1.24 * f64::from(FINE * size))
         .into_font()
         .color(&colour)

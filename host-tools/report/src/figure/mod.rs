@@ -4,7 +4,9 @@ mod allan;
 mod bias;
 mod canvas;
 mod coverage;
+pub(crate) mod distribution;
 mod frame;
+mod log_scale;
 mod palette;
 mod residual;
 mod segments;
@@ -22,7 +24,7 @@ use crate::gather::Gathered;
 pub(crate) struct Figures {
     /// Time by temperature and rate, of each channel.
     pub(crate) coverage: Vec<Figure>,
-    /// Those of each axis.
+    /// Of each axis.
     pub(crate) axes: Vec<AxisFigures>,
 }
 

@@ -1,6 +1,6 @@
 //! Colours of the figures, and what becomes of them on a dark screen.
 //!
-//! After Okabe and Ito (2008): told apart with every kind of colour vision. Where two colours
+//! After Okabe and Ito (2008): distinct with every kind of colour vision. Where two colours
 //! carry a meaning, so does the form of the mark.
 
 use plotters::style::RGBColor;
@@ -11,7 +11,7 @@ pub(crate) const MUTED: RGBColor = RGBColor(91, 100, 112);
 pub(crate) const GRID: RGBColor = RGBColor(222, 226, 231);
 /// Orange.
 pub(crate) const BEFORE: RGBColor = RGBColor(230, 159, 0);
-/// What the set makes of it.
+/// Black.
 pub(crate) const AFTER: RGBColor = INK;
 /// Vermillion.
 pub(crate) const HEATING: RGBColor = RGBColor(213, 94, 0);
@@ -35,10 +35,14 @@ const DARK: [(RGBColor, RGBColor); 8] = [
 /// The rules of a style sheet that turn figures dark. Figures carry the colours of a light page,
 /// so that their files are complete without these.
 pub(crate) fn dark_rules() -> String {
-    let hex = |RGBColor(r, g, b): RGBColor| format!("#{r:02X}{g:02X}{b:02X}");
     let rule = |(light, dark): &(RGBColor, RGBColor)| {
         let (light, dark) = (hex(*light), hex(*dark));
         format!("svg [fill=\"{light}\"]{{fill:{dark}}}svg [stroke=\"{light}\"]{{stroke:{dark}}}\n")
     };
     DARK.iter().map(rule).collect()
+}
+
+/// A colour as SVG has it, found by the rules for a dark screen.
+pub(super) fn hex(RGBColor(r, g, b): RGBColor) -> String {
+    format!("#{r:02X}{g:02X}{b:02X}")
 }

@@ -144,7 +144,7 @@ impl AxisSums {
 }
 
 impl GatheredAxis {
-    /// Adds what a later log has; the Allan deviations are those of the longest stretch.
+    /// Adds what a later log has; the Allan deviations are of the longest stretch.
     pub(super) fn append(&mut self, later: Self) {
         self.rows.extend(later.rows);
         self.means.extend(later.means);

@@ -6,7 +6,7 @@ use super::spread::Merge;
 ///
 /// Bin `i` is `i width <= x < (i + 1) width`. Where there would be more than the most bins allowed,
 /// neighbours are put together in pairs and the width doubles. Nothing is lost but resolution:
-/// sums and extremes are those of all values of the wider bin.
+/// sums and extremes are of all values of the wider bin.
 #[derive(Clone, Debug)]
 pub(crate) struct Bins<T> {
     width: f64,

@@ -10,7 +10,7 @@ use super::axis::{AxisSums, Direction};
 use super::bins::Bins;
 use super::spread::Spread;
 
-/// Change that tells heating and cooling from the sensor's noise \[degC\], within one time constant
+/// Change that separates heating and cooling from the sensor's noise \[degC\], within one time constant
 /// of the rate estimator; as in the hysteresis of an evaluation.
 const LEAST_CHANGE_C: f64 = 0.05;
 
@@ -42,7 +42,7 @@ pub(crate) struct Map {
 /// A channel as it is drawn.
 #[derive(Clone, Debug)]
 pub(crate) struct GatheredChannel {
-    /// Effective temperature by time \[h, degC\].
+    /// Lag-compensated temperature by time \[h, degC\].
     pub(crate) temps_c: Vec<(f64, Spread)>,
     pub(crate) map: Map,
 }

@@ -11,6 +11,7 @@ mod allan;
 mod axis;
 mod bins;
 mod channel;
+mod log_sums;
 mod spread;
 mod stretches;
 
@@ -24,13 +25,10 @@ pub(crate) use spread::Spread;
 
 use allan::AllanSums;
 use channel::ChannelSums;
-use stretches::LongestStretch;
+use log_sums::LogSums;
 
 /// Means that a log is to show at least, if its rows allow.
 const LEAST_MEANS: f64 = 200.0;
-
-/// Where a stretch of `tau` has less than this share of its rows, its mean is left out.
-const LEAST_COVERAGE: f64 = 0.25;
 
 /// The most bins along the time of a log.
 const MOST_TIMES: usize = 320;
@@ -52,20 +50,6 @@ pub struct Gatherer {
     times: Vec<LogTimes>,
     channels: Vec<ChannelSums>,
     axes: usize,
-}
-
-/// One log on the way.
-#[derive(Clone, Debug)]
-struct LogSums {
-    times: LogTimes,
-    tau_s: f64,
-    first_s: f64,
-    /// Number of the stretch of `tau` that is summed up.
-    stretch: f64,
-    rows: f64,
-    channels: Vec<ChannelSums>,
-    /// Raw and compensated of every axis.
-    allan: LongestStretch,
 }
 
 /// Everything that is drawn.
@@ -97,21 +81,14 @@ impl Gatherer {
         }
     }
 
-    /// The next rows are those of the next log.
+    /// The rows that follow are of the next log.
     ///
     /// # Panics
     /// If there is no further log.
     pub fn begin_log(&mut self) {
         let times = self.times[self.logs.len()];
-        self.logs.push(LogSums {
-            times,
-            tau_s: self.tau_s,
-            first_s: f64::NAN,
-            stretch: 0.0,
-            rows: 0.0,
-            channels: self.channels.clone(),
-            allan: LongestStretch::new(times.interval_s, 2 * self.axes),
-        });
+        let log = LogSums::new(times, self.tau_s, self.channels.clone(), self.axes);
+        self.logs.push(log);
     }
 
     /// Takes the next rows of a log, with their times \[s\].
@@ -160,43 +137,6 @@ impl Gatherer {
             start_h += (log.times.duration_s + log.times.interval_s) / 3600.0;
         }
         gathered
-    }
-}
-
-impl LogSums {
-    fn push(&mut self, applied: &Applied, row: usize, time_s: f64) {
-        if self.first_s.is_nan() {
-            self.first_s = time_s;
-        }
-        let since_s = time_s - self.first_s;
-        // Half an interval later, so that the rounding of the times moves no row between stretches.
-        let number = ((since_s + 0.5 * self.times.interval_s) / self.tau_s).floor();
-        if number != self.stretch {
-            self.close_stretch();
-            self.stretch = number;
-        }
-        self.rows += 1.0;
-        let mut series = self.allan.at(time_s).series.iter_mut();
-        let mut outputs = applied.axes.iter();
-        for (channel, points) in self.channels.iter_mut().zip(&applied.points) {
-            channel.push(&points[row], self.times.interval_s, since_s);
-            for (axis, output) in channel.axes.iter_mut().zip(outputs.by_ref()) {
-                let [raw, compensated] = [output.raw[row], output.compensated[row]].map(f64::from);
-                axis.push(raw, compensated, since_s);
-                for (sums, value) in series.by_ref().take(2).zip([raw, compensated]) {
-                    sums.add(value);
-                }
-            }
-        }
-    }
-
-    fn close_stretch(&mut self) {
-        let enough = self.rows >= (LEAST_COVERAGE * self.tau_s / self.times.interval_s).max(1.0);
-        let middle_s = (self.stretch + 0.5) * self.tau_s;
-        for channel in &mut self.channels {
-            channel.close_stretch(enough.then_some(middle_s), self.rows);
-        }
-        self.rows = 0.0;
     }
 }
 

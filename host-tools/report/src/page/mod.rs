@@ -1,19 +1,20 @@
 //! The page.
 
+mod coefficients;
+mod document;
 mod provenance;
 mod summary;
 mod tables;
 
-use maud::{DOCTYPE, Markup, PreEscaped, html};
-use tempco_log::AxisUnit;
-use tempco_set::escape;
+pub(crate) use document::{axis_cell, document};
+pub(crate) use summary::class_of;
+
+use maud::{Markup, html};
 
 use crate::Subject;
-use crate::figure::{AxisFigures, Figure, Figures, dark_rules};
+use crate::figure::{AxisFigures, Figure, Figures};
 use crate::gather::{Gathered, MOST_CLUSTERS};
 use crate::text::seconds;
-
-const STYLE: &str = include_str!("style.css");
 
 /// The whole page.
 pub(crate) fn page(subject: &Subject, gathered: &Gathered, figures: &Figures) -> String {
@@ -23,49 +24,30 @@ pub(crate) fn page(subject: &Subject, gathered: &Gathered, figures: &Figures) ->
         None => "Calibration",
     };
     let title = format!("{what} of unit {}", set.serial);
-    let dark = format!(
-        "@media screen and (prefers-color-scheme:dark){{{}}}",
-        dark_rules()
-    );
-    let page = html! {
-        (DOCTYPE)
-        html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                title { (title) }
-                style { (PreEscaped(STYLE)) (PreEscaped(dark)) }
-            }
-            body {
-                header { h1 { (title) } }
-                main {
-                    (summary::summary(subject))
-                    (sections(subject, gathered, figures))
-                    (tables::models(set))
-                    (tables::coefficients(set))
-                    (provenance::provenance(subject))
-                }
-            }
-        }
-    };
-    escape::lines(&page.into_string()) + "\n"
+    document(
+        &title,
+        html! {
+            (summary::summary(subject))
+            (sections(subject, gathered, figures))
+            (tables::models(set))
+            (coefficients::coefficients(set))
+            (provenance::provenance(subject))
+        },
+    )
 }
 
 fn sections(subject: &Subject, gathered: &Gathered, figures: &Figures) -> Markup {
     let set = subject.set;
     let tau = seconds(gathered.tau_s);
-    let has_history = set
-        .channels
-        .iter()
-        .any(|channel| !channel.table.plays.is_empty() || !channel.table.slow_parts.is_empty());
+    let has_history = set.channels.iter().any(|of| of.table.has_history());
     let of_axes = |figure: fn(&AxisFigures) -> &Figure| {
         html! { div.figures { @for axis in &figures.axes { figure { (figure(axis).inline()) } } } }
     };
     html! {
         section {
             h2 { "Bias against temperature" }
-            p { "Marks: means over " (tau) ", by temperature, less the constant by which a log "
-                "lies beside the fit. Thin lines: what the set took out while heating and cooling. "
+            p { "Marks: means over " (tau) ", by temperature, less the constant offset of each log "
+                "from the fit. Thin lines: what the set took out while heating and cooling. "
                 "Thick line: the same at a steady temperature, with the 1-sigma band of its "
                 "coefficients"
                 @if has_history { "; the terms of the thermal history are left out of it" } "." }
@@ -109,29 +91,4 @@ fn sections(subject: &Subject, gathered: &Gathered, figures: &Figures) -> Markup
             (tables::coverage(set))
         }
     }
-}
-
-/// A table that may be wider than the page, and then moves under its own bar.
-fn table(head: &[&str], rows: Vec<Vec<Markup>>) -> Markup {
-    html! {
-        div.scroll tabindex="0" {
-            table {
-                thead { tr { @for name in head { th scope="col" { (name) } } } }
-                tbody {
-                    @for row in rows {
-                        tr { @for cell in row { td { (cell) } } }
-                    }
-                }
-            }
-        }
-    }
-}
-
-/// An axis with its unit.
-fn axis_cell(name: &str, unit: AxisUnit) -> Markup {
-    html! { (name) " " span.unit { "[" (unit) "]" } }
-}
-
-fn cell(text: impl std::fmt::Display) -> Markup {
-    html! { (text.to_string()) }
 }

@@ -4,7 +4,7 @@ use maud::{Markup, html};
 use tempco_evaluate::{Role, figure};
 use tempco_set::{ChannelSet, CoefficientSet};
 
-use super::{cell, table};
+use super::document::{cell, table};
 use crate::Subject;
 use crate::text::seconds;
 
@@ -68,18 +68,13 @@ fn inputs(set: &CoefficientSet) -> Markup {
 fn settings(channel: &ChannelSet) -> Markup {
     let (table, thermal) = (&channel.table, &channel.table.thermal);
     let number = |value: f32| figure(value.into());
-    let range =
-        |low: f32, high: f32, unit: &str| format!("{} to {} {unit}", number(low), number(high));
     html! {
         h3 { "Settings of " (channel.temperature) }
         dl {
-            dt { "Calibrated" }
-            dd { (range(table.t_min_c, table.t_max_c, "degC")) ", "
-                (range(thermal.rate_min_c_per_min, thermal.rate_max_c_per_min, "degC/min")) }
             dt { "Rate estimator" } dd { "tau " (number(thermal.tau_s)) " s, kappa " (thermal.kappa) }
             dt { "Sensor" }
-            dd { (range(thermal.sensor_min_c, thermal.sensor_max_c, "degC")) ", spikes beyond "
-                (number(thermal.spike_gate_c)) " degC, fastest believable change "
+            dd { (number(thermal.sensor_min_c)) " to " (number(thermal.sensor_max_c)) " degC, spikes beyond "
+                (number(thermal.spike_gate_c)) " degC, fastest accepted change "
                 (number(thermal.max_slew_c_per_min)) " degC/min, held for " (number(thermal.hold_s))
                 " s, healed after " (number(thermal.heal_s)) " s" }
             dt { "Table" }

@@ -1,35 +1,32 @@
-//! The verdict and the figures behind it.
+//! The verdict and the numbers behind it.
 
 use maud::{Markup, html};
 use tempco_evaluate::{Evaluation, Role, figure, percent};
-use tempco_set::{CoefficientSet, Verdict};
+use tempco_set::{ChannelSet, CoefficientSet, Verdict};
 
-use super::{axis_cell, cell, table};
+use super::document::{axis_cell, cell, table};
 use crate::Subject;
 use crate::text::seconds;
 
 pub(super) fn summary(subject: &Subject) -> Markup {
     let judgement = subject.judgement;
     let verdict = judgement.verdict();
-    let class = match verdict {
-        Verdict::Accepted => "verdict accept",
-        Verdict::AcceptedWithWarnings => "verdict warnings",
-        Verdict::Rejected => "verdict reject",
-    };
     html! {
-        section class=(class) {
+        section class={ "verdict " (class_of(verdict)) } {
             p.word { (verdict.name().replace('_', " ")) }
             p { @if judgement.verified { "Verified on a log that the set was not fitted to. " }
                 @else { "Not verified on a log that the set was not fitted to. " }
                 (why(subject)) }
             @if !judgement.rejections.is_empty() {
-                h3 { "Why not" }
+                h3 { "Rejected because" }
                 ul { @for of in &judgement.rejections { (reason(of.code.name(), &of.message)) } }
             }
             @if !judgement.warnings.is_empty() {
                 h3 { "Warnings" }
                 ul { @for of in &judgement.warnings { (reason(of.code.name(), &of.message)) } }
             }
+            h3 { "Calibrated for" }
+            ul { @for channel in &subject.set.channels { li { (range(channel)) } } }
         }
         section {
             @match subject.evaluation {
@@ -40,11 +37,34 @@ pub(super) fn summary(subject: &Subject) -> Markup {
     }
 }
 
+/// The class by which the style sheet and filters know a verdict.
+pub(crate) const fn class_of(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::Accepted => "accept",
+        Verdict::AcceptedWithWarnings => "warnings",
+        Verdict::Rejected => "reject",
+    }
+}
+
+/// The range of temperature and its rate in which a channel is calibrated.
+fn range(channel: &ChannelSet) -> String {
+    let (table, thermal) = (&channel.table, &channel.table.thermal);
+    let ends = [
+        table.t_min_c,
+        table.t_max_c,
+        thermal.rate_min_c_per_min,
+        thermal.rate_max_c_per_min,
+    ];
+    let [t_min, t_max, rate_min, rate_max] = ends.map(|end| figure(end.into()));
+    let name = &channel.temperature;
+    format!("{name}: T {t_min} to {t_max} degC, T' {rate_min} to {rate_max} degC/min")
+}
+
 fn reason(code: &str, message: &str) -> Markup {
     html! { li { (message) " " code { (code) } } }
 }
 
-/// The verdict in a sentence of figures.
+/// The improvement of every axis, in a sentence.
 fn why(subject: &Subject) -> String {
     let improvements: Vec<(String, f64)> = match subject.evaluation {
         Some(evaluation) => {
@@ -67,13 +87,13 @@ fn why(subject: &Subject) -> String {
         .map(|(name, share)| format!("{name} {}", percent(share)).replace(' ', "\u{a0}"))
         .collect();
     let log = match subject.evaluation.map(|e| e.log.role) {
-        Some(Role::Verification) => "a log the set has not seen",
+        Some(Role::Verification) => "a log the set was not fitted to",
         Some(Role::Training) => "a log the set was fitted to",
         Some(Role::Unknown) => "a log the set may have been fitted to",
         None => "the logs the set was fitted to",
     };
     if list.is_empty() {
-        return format!("No figures over {log}.");
+        return format!("No numbers over {log}.");
     }
     format!("Bias stability on {log}, better by: {}.", list.join(", "))
 }

@@ -1,0 +1,93 @@
+//! The coefficients of a set, with their uncertainties.
+
+use maud::{Markup, html};
+use tempco::Terms;
+use tempco_evaluate::figure;
+use tempco_set::{CoefficientSet, CoefficientSigmas, LOCAL_TERMS};
+
+use super::document::{axis_cell, cell, table};
+use super::tables::{axes, dash};
+
+pub(super) fn coefficients(set: &CoefficientSet) -> Markup {
+    let mut rows = Vec::new();
+    for (channel, _, axis) in axes(set) {
+        for (position, segment) in channel.segments.iter().enumerate() {
+            let polynomial = &axis.polynomials[position];
+            let sigmas = axis.sigmas.get(position);
+            let sigmas = sigmas.map_or([0.0; Terms::COUNT], CoefficientSigmas::to_array);
+            let mut row = vec![
+                axis_cell(&axis.name, axis.unit),
+                cell(format!("{:.2} to {:.2}", segment.t_min_c, segment.t_max_c)),
+            ];
+            row.extend(
+                polynomial
+                    .coefficients()
+                    .into_iter()
+                    .zip(sigmas)
+                    .map(|(value, sigma)| with_sigma(value, sigma)),
+            );
+            rows.push(row);
+        }
+    }
+    let terms = LOCAL_TERMS.map(|term| term.replace("^2", "\u{b2}"));
+    let mut head = vec!["axis", "segment [degC]"];
+    head.extend(terms.iter().map(String::as_str));
+    html! {
+        section {
+            h2 { "Coefficients" }
+            p { "With 1 sigma; of 1, z, z\u{b2} in the unit of the axis, of T' and z T' per degC/min, with z "
+                "from -1 to 1 over the segment." }
+            (table(&head, rows))
+            (history(set))
+        }
+    }
+}
+
+fn with_sigma(value: f64, sigma: f64) -> Markup {
+    match (value, sigma) {
+        (0.0, 0.0) => dash(),
+        (_, 0.0) => cell(figure(value)),
+        _ => html! { (figure(value)) span.sigma { "\u{b1} " (format!("{sigma:.1e}")) } },
+    }
+}
+
+/// The terms of the thermal history; nothing where there are none.
+fn history(set: &CoefficientSet) -> Markup {
+    let mut rows = Vec::new();
+    for (channel, _, axis) in axes(set) {
+        let width = |width_c: f32| [cell("play"), cell(figure(width_c.into())), dash(), dash()];
+        let plays = channel.table.plays.iter();
+        let plays = plays.map(|play| (play.half_width_c > 0.0, width(play.half_width_c)));
+        let slow_parts = channel.table.slow_parts.iter().map(|part| {
+            let [tau, limit] = [part.tau_s, part.limit_c].map(|value| cell(figure(value.into())));
+            (
+                part.limit_c > 0.0,
+                [cell("second thermal lag"), dash(), tau, limit],
+            )
+        });
+        let terms = plays.chain(slow_parts).zip(&axis.gains);
+        // Of a channel that has fewer terms than another, some only make up the number.
+        for ((_, term), gain) in terms.filter(|((is_used, _), _)| *is_used) {
+            let mut row = vec![axis_cell(&axis.name, axis.unit)];
+            row.extend(term);
+            row.push(with_sigma(gain.gain, gain.sigma));
+            rows.push(row);
+        }
+    }
+    let head = [
+        "axis",
+        "term",
+        "w [degC]",
+        "tau [s]",
+        "lag up to [degC]",
+        "gain per degC",
+    ];
+    html! {
+        @if !rows.is_empty() {
+            p { "Terms of the thermal history: gains in the unit of the axis per degC that the contact of a "
+                "play, of half width w, or the second thermal lag is behind the temperature, with 1 sigma for this "
+                "w or tau." }
+            (table(&head, rows))
+        }
+    }
+}
