@@ -6,6 +6,7 @@ use tempco_qemu::{Error, Workspace, ensure_program, ensure_rust_target};
 use crate::run::{cargo, run as step};
 
 pub(crate) const TARGET: &str = "x86_64-pc-windows-gnu";
+pub(crate) const C_COMPILER: &str = "x86_64-w64-mingw32-gcc";
 
 /// Installs the Rust target, and the C compiler that a library needs.
 ///
@@ -14,7 +15,7 @@ pub(crate) const TARGET: &str = "x86_64-pc-windows-gnu";
 pub(crate) fn ensure_compilers(workspace: &Workspace) -> Result<(), Error> {
     ensure_rust_target(workspace, TARGET)?;
     let packages = ["gcc-mingw-w64-x86-64"];
-    ensure_program(workspace, "x86_64-w64-mingw32-gcc", &packages)
+    ensure_program(workspace, C_COMPILER, &packages)
 }
 
 /// Checks that the command compiles for Windows without warnings. Returns why this was skipped.

@@ -1,19 +1,22 @@
 //! The command for Windows under wine: the tests of the main job, and the same files as here.
 
+use std::path::Path;
 use std::process::Command;
 
-use anyhow::Result;
+use anyhow::{Context, Result};
 use tempco_qemu::{Workspace, ensure_program};
 
 use super::tools::Missing;
 use super::{Measured, output_folder};
 use crate::run::{build_tempco, cargo, run as step, run_and_read};
 use crate::test::count;
-use crate::windows::{TARGET, ensure_compilers};
+use crate::windows::{C_COMPILER, TARGET, ensure_compilers};
 
 const TESTS: [&str; 3] = ["main_job", "set_files", "windows"];
 /// By their names: QEMU and signals are of Unix.
 const LEFT_OUT: [&str; 2] = ["replayed", "signals"];
+/// A DLL that the command needs and an older wine, such as that of Debian 12, does not have.
+const RANDOM: &str = "bcryptprimitives.dll";
 
 pub(super) fn under_wine(workspace: &Workspace) -> Result<Measured> {
     ensure_compilers(workspace).map_err(Missing::new)?;
@@ -30,6 +33,10 @@ pub(super) fn under_wine(workspace: &Workspace) -> Result<Measured> {
         boot.args(["wineboot", "--init"]).envs(environment),
     )?;
     let command = build_tempco(workspace, &["--target", TARGET])?;
+    let system = prefix.join("drive_c/windows/system32");
+    if !system.join(RANDOM).exists() {
+        build_random(workspace, command.parent().context("no folder")?)?;
+    }
 
     let mut test = cargo(
         workspace,
@@ -51,4 +58,13 @@ pub(super) fn under_wine(workspace: &Workspace) -> Result<Measured> {
         reached: succeeded && passed > 0,
         figure: format!("{passed} tests passed, {failed} failed"),
     })
+}
+
+/// Builds the DLL that wine lacks into the folder of the command, where it is found first.
+fn build_random(workspace: &Workspace, folder: &Path) -> Result<()> {
+    let source = "host-tools/xtask/src/verify/bcryptprimitives.c";
+    let mut build = Command::new(C_COMPILER);
+    build.current_dir(workspace.root());
+    build.args(["-shared", "-o"]).arg(folder.join(RANDOM));
+    step(workspace, build.args([source, "-ladvapi32"]))
 }
