@@ -90,19 +90,14 @@ impl Answer<'_> {
             };
             return format!(
                 "unit {} on {}{role}: bias stability at {} s",
-                set.serial,
-                evaluation.log.file,
-                figure(evaluation.tau_s)
+                set.serial, evaluation.log.file, evaluation.tau_s
             );
         }
         let mut statistics = set.axes().filter_map(|(_, axis)| axis.statistics);
         let what = match statistics.next() {
             None => "what it does to a log is not known".to_owned(),
             Some(of) if has_means(&of) => {
-                format!(
-                    "bias stability at {} s on the fitted logs",
-                    figure(of.tau_s)
-                )
+                format!("bias stability at {} s on the fitted logs", of.tau_s)
             }
             Some(_) => "RMS error of the rows of the fitted logs".to_owned(),
         };
