@@ -1,16 +1,12 @@
 //! Through the firmware in QEMU: the compensators alone, or the whole application.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use anyhow::{Result, ensure};
 use tempco_hil::{Patience, Unit, flash_set, open};
-use tempco_qemu::{
-    Board, Machine, MachineOptions, MachineTime, Variant, Workspace, build_variant, ensure_qemu,
-    ensure_target_of,
-};
-use tempco_set::files::ScratchFolder;
-use tempco_set::table_rs;
+use tempco_qemu::{Board, Machine, MachineOptions, MachineTime, Variant};
 
+use super::firmware::build;
 use super::{Differences, Replay, hardware, semihosting};
 use crate::output::print;
 
@@ -76,21 +72,4 @@ fn over_link(put: &Replay, link: &Path, real_time: bool) -> Result<Differences> 
     let scale_factor = unit.scale_factor_arcsec()?.into();
     let identity = flash_set(&mut unit, put.image.bytes(), Some(scale_factor), |_| {})?;
     hardware::through(put, &mut unit, &identity, real_time)
-}
-
-/// Builds an image of the firmware for the set.
-pub(super) fn build(put: &Replay, board: Board, bin: &str, variant: &Variant) -> Result<PathBuf> {
-    let workspace = Workspace::find()?;
-    ensure_target_of(&workspace, board)?;
-    ensure_qemu(&workspace)?;
-    let folder = ScratchFolder::new()?;
-    let table = folder.path().join("table.rs");
-    std::fs::write(&table, table_rs(put.set))?;
-    Ok(build_variant(
-        &workspace,
-        board,
-        bin,
-        Some(&table),
-        variant,
-    )?)
 }

@@ -6,7 +6,7 @@ use tempco_qemu::{Board, Variant, replay};
 use tempco_replay::{Header, Outcome, Record};
 use tempco_set::{TableData, TableUse, use_tables};
 
-use super::emulator::build;
+use super::firmware::build;
 use super::{Differences, Replay};
 use crate::output::print;
 
