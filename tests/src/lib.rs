@@ -31,6 +31,25 @@ pub struct QuickStart;
 /// The segments of the paper, in degC.
 pub const PAPER_SEGMENTS: &str = "-15:15,5:35,25:60,50:80";
 
+/// Table 2 of the paper as printed, a2 in units of 1e-5.
+pub const PAPER_TABLE_2: &str = "\
+gyro,segment,temp_min_c,temp_max_c,a0_pulses,a1_pulses_per_c,a2_1e-5_pulses_per_c2
+X,1,-15,15,0.0173,-0.0014,1.7535
+X,2,5,35,0.0064,0.0004,-4.2567
+X,3,25,60,-0.0551,0.0026,-3.302
+X,4,50,80,0.3390,-0.0118,9.6146
+Z,1,-15,15,0.0167,0.0004,-2.0700
+Z,2,5,35,0.0036,-0.0009,3.9374
+Z,3,25,60,0.0635,-0.0042,6.5480
+Z,4,50,80,-0.0974,0.0032,-2.7658
+";
+
+/// The rows of the X gyro in [`PAPER_TABLE_2`], whose segments agree.
+pub fn paper_table_2_of_x() -> String {
+    let lines = PAPER_TABLE_2.lines().filter(|line| !line.starts_with('Z'));
+    lines.map(|line| format!("{line}\n")).collect()
+}
+
 /// The root of the workspace.
 ///
 /// # Panics

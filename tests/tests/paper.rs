@@ -2,20 +2,7 @@
 
 use tempco_evaluate::figure;
 use tempco_set::{CoefficientSet, load_set};
-use tempco_tests::{Bench, shared};
-
-/// Table 2 as printed, a2 in units of 1e-5.
-const TABLE_2: &str = "\
-gyro,segment,temp_min_c,temp_max_c,a0_pulses,a1_pulses_per_c,a2_1e-5_pulses_per_c2
-X,1,-15,15,0.0173,-0.0014,1.7535
-X,2,5,35,0.0064,0.0004,-4.2567
-X,3,25,60,-0.0551,0.0026,-3.302
-X,4,50,80,0.3390,-0.0118,9.6146
-Z,1,-15,15,0.0167,0.0004,-2.0700
-Z,2,5,35,0.0036,-0.0009,3.9374
-Z,3,25,60,0.0635,-0.0042,6.5480
-Z,4,50,80,-0.0974,0.0032,-2.7658
-";
+use tempco_tests::{Bench, PAPER_TABLE_2, paper_table_2_of_x, shared};
 
 fn assert_mismatches(set: &CoefficientSet, axis: &str, expected: &[f64]) {
     let channel = &set.channels[0];
@@ -30,7 +17,7 @@ fn assert_mismatches(set: &CoefficientSet, axis: &str, expected: &[f64]) {
 #[test]
 fn the_printed_coefficients_load_and_z_raises_the_alarm() {
     let bench = Bench::new();
-    bench.write("table2.csv", TABLE_2);
+    bench.write("table2.csv", PAPER_TABLE_2);
     let ran = bench.run("inspect table2.csv --verbose");
     assert_eq!(ran.code, 1, "{}", ran.err);
     assert_eq!(ran.err, "table2.csv rejected, segments_disagree: axis z\n");
@@ -43,12 +30,7 @@ fn the_printed_coefficients_load_and_z_raises_the_alarm() {
     }
 
     // X alone is consistent: no alarm.
-    let x: String = TABLE_2
-        .lines()
-        .filter(|l| !l.starts_with('Z'))
-        .map(|l| format!("{l}\n"))
-        .collect();
-    bench.write("x.csv", &x);
+    bench.write("x.csv", &paper_table_2_of_x());
     bench.ok("inspect x.csv");
 }
 
@@ -69,7 +51,7 @@ fn the_whole_printed_table_loads() {
 #[test]
 fn the_table_evaluates_to_the_printed_polynomials() {
     let bench = Bench::new();
-    bench.write("table2.csv", TABLE_2);
+    bench.write("table2.csv", PAPER_TABLE_2);
     // Slow enough to have no effect of rate; the imported set has none anyway.
     let mut log = "time_s,temp_c,x_pulses_per_s,z_pulses_per_s\n".to_owned();
     for i in 0..=960 {

@@ -243,6 +243,9 @@ pub(crate) fn channel_note(channel: &ChannelSet) -> String {
         figure(data.thermal.rate_min_c_per_min.into()),
         figure(data.thermal.rate_max_c_per_min.into()),
     );
+    if channel.segments.len() == 1 {
+        return range;
+    }
     let mut mismatch: f64 = 0.0;
     let mut jump: f64 = 0.0;
     for axis in 0..channel.axes.len() {
@@ -253,9 +256,6 @@ pub(crate) fn channel_note(channel: &ChannelSet) -> String {
         mismatch = mismatch.max(largest / bias_range);
         let of_table = without_rounding(data.max_jump(axis).into(), channel, axis);
         jump = jump.max(of_table / bias_range);
-    }
-    if channel.segments.len() == 1 {
-        return range;
     }
     format!(
         "{range}; segments disagree by up to {} % of the bias range, the table jumps by up to {} %",

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use tempco_fit::batch::{
-    Outcome, SUMMARY_FILES, Summary, UnitLogs, UnitResult, check_serial, find_units,
+    AxisResult, Outcome, SUMMARY_FILES, Summary, UnitLogs, UnitResult, check_serial, find_units,
 };
 use tempco_fit::summary::{Plan, summarise_file};
 use tempco_fit::{FitOptions, fit_summaries};
@@ -110,7 +110,7 @@ fn fit_unit(
     Ok(UnitResult::new(&fit.set, judgement))
 }
 
-/// A row for each unit, of the axis that improves least.
+/// A row for each unit, with its worst axis.
 fn show(summary: &Summary) -> Result<()> {
     let header = ["serial", "verdict", "outlier", "worst axis", "improvement"];
     let units = summary.units().iter().enumerate();
@@ -120,16 +120,15 @@ fn show(summary: &Summary) -> Result<()> {
         } else {
             ""
         };
-        let axes = unit.result.iter().flat_map(|figures| &figures.axes);
-        let improvements =
-            axes.map(|axis| (&axis.axis, 1.0 - axis.sigma_after / axis.sigma_before));
-        let worst = improvements.min_by(|a, b| a.1.total_cmp(&b.1));
+        let worst = unit.result.as_ref().ok().and_then(UnitResult::worst_axis);
         vec![
             unit.serial.clone(),
             summary.verdict(number).to_owned(),
             outlier.to_owned(),
-            worst.map_or_else(String::new, |(axis, _)| axis.clone()),
-            worst.map_or_else(String::new, |(_, improvement)| percent(improvement)),
+            worst.map_or_else(String::new, |axis| axis.axis.clone()),
+            worst
+                .and_then(AxisResult::improvement)
+                .map_or_else(String::new, percent),
         ]
     });
     print_lines(within(&mut table(&header, rows), WIDTH))?;

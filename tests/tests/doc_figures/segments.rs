@@ -3,16 +3,9 @@
 
 use plotters::prelude::*;
 use tempco_set::{Overlap, load_set};
+use tempco_tests::paper_table_2_of_x;
 
 use crate::{COLOURS, compare};
-
-const TABLE: &str = "\
-gyro,segment,temp_min_c,temp_max_c,a0_pulses,a1_pulses_per_c,a2_1e-5_pulses_per_c2
-X,1,-15,15,0.0173,-0.0014,1.7535
-X,2,5,35,0.0064,0.0004,-4.2567
-X,3,25,60,-0.0551,0.0026,-3.302
-X,4,50,80,0.3390,-0.0118,9.6146
-";
 
 #[test]
 fn the_figure_of_segments_is_true() {
@@ -22,7 +15,7 @@ fn the_figure_of_segments_is_true() {
 fn draw() -> Result<String, Box<dyn std::error::Error>> {
     let folder = tempfile::tempdir()?;
     let file = folder.path().join("table2.csv");
-    std::fs::write(&file, TABLE)?;
+    std::fs::write(&file, paper_table_2_of_x())?;
     let set = load_set(&file)?;
     let channel = &set.channels[0];
     let polynomials = &channel.axes[0].polynomials;

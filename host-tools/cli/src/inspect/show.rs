@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use tempco::Terms;
-use tempco_set::{ChannelSet, CoefficientSet, LOCAL_TERMS, TERMS};
+use tempco_set::{AxisSet, ChannelSet, CoefficientSet, LOCAL_TERMS, TERMS};
 
 use crate::answer::without_rounding;
 use crate::output::{figure, print, print_lines, table, without_dust};
@@ -65,17 +65,11 @@ fn show_channel(channel: &ChannelSet) -> Result<()> {
         "\nCoefficients of {} with T in degC and T' in degC/min",
         TERMS.join(", ")
     ))?;
-    let mut rows = Vec::new();
-    for axis in &channel.axes {
-        for (segment, polynomial) in channel.segments.iter().zip(&axis.polynomials) {
-            let mut row = vec![
-                format!("{} [{}]", axis.name, axis.unit),
-                format!("{:.2}..{:.2}", segment.t_min_c, segment.t_max_c),
-            ];
-            row.extend(polynomial.raw().map(|value| format!("{value:.4e}")));
-            rows.push(row);
-        }
-    }
+    let rows = by_segment(
+        channel,
+        |axis| &axis.polynomials,
+        |polynomial| polynomial.raw().map(|value| format!("{value:.4e}")),
+    );
     let names: Vec<String> = (0..TERMS.len()).map(|term| format!("a{term}")).collect();
     let mut header = vec!["axis", "segment"];
     header.extend(names.iter().map(String::as_str));
@@ -140,22 +134,38 @@ fn show_rounding(channel: &ChannelSet) -> Result<()> {
     print_lines(table(&header, rows))
 }
 
-/// The uncertainty of each coefficient, in the basis in which the coefficients are independent.
-fn show_sigmas(channel: &ChannelSet) -> Result<()> {
+/// A row for each axis and segment: the cells of what the axis has for the segment.
+fn by_segment<T>(
+    channel: &ChannelSet,
+    of_axis: impl Fn(&AxisSet) -> &[T],
+    cells: impl Fn(&T) -> [String; TERMS.len()],
+) -> Vec<Vec<String>> {
     let mut rows = Vec::new();
     for axis in &channel.axes {
-        for (segment, sigmas) in channel.segments.iter().zip(&axis.sigmas) {
+        for (segment, of_segment) in channel.segments.iter().zip(of_axis(axis)) {
             let mut row = vec![
                 format!("{} [{}]", axis.name, axis.unit),
                 format!("{:.2}..{:.2}", segment.t_min_c, segment.t_max_c),
             ];
-            row.extend(sigmas.to_array().map(|sigma| match sigma {
-                0.0 => "-".to_owned(),
-                _ => format!("{sigma:.1e}"),
-            }));
+            row.extend(cells(of_segment));
             rows.push(row);
         }
     }
+    rows
+}
+
+/// The uncertainty of each coefficient, in the basis in which the coefficients are independent.
+fn show_sigmas(channel: &ChannelSet) -> Result<()> {
+    let rows = by_segment(
+        channel,
+        |axis| &axis.sigmas,
+        |sigmas| {
+            sigmas.to_array().map(|sigma| match sigma {
+                0.0 => "-".to_owned(),
+                _ => format!("{sigma:.1e}"),
+            })
+        },
+    );
     if rows.is_empty() {
         return Ok(());
     }

@@ -94,3 +94,29 @@ impl AxisResult {
         (self.n > 1 && improvement.is_finite()).then_some(improvement)
     }
 }
+
+/// Units for tests.
+#[cfg(test)]
+pub(super) mod example {
+    use super::*;
+
+    /// An accepted unit with axes of a name and a sigma after compensation; before, it is 1.
+    pub(in crate::batch) fn unit(serial: &str, sigmas_after: &[(&str, f64)]) -> Outcome {
+        let axis = |&(axis, sigma_after): &(&str, f64)| AxisResult {
+            axis: axis.to_owned(),
+            unit: AxisUnit::Dph,
+            n: 50,
+            sigma_before: 1.0,
+            sigma_after,
+        };
+        Outcome {
+            serial: serial.to_owned(),
+            logs: 1,
+            result: Ok(UnitResult {
+                rows: 100,
+                axes: sigmas_after.iter().map(axis).collect(),
+                judgement: Judgement::default(),
+            }),
+        }
+    }
+}

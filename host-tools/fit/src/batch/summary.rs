@@ -171,29 +171,10 @@ fn by_axis(units: &[Outcome]) -> Vec<BatchAxis<'_>> {
 
 #[cfg(test)]
 mod tests {
-    use tempco_set::{Judgement, Rejection, RejectionCode};
+    use tempco_set::{Rejection, RejectionCode};
 
-    use super::super::outcome::UnitResult;
+    use super::super::outcome::example::unit;
     use super::*;
-
-    fn unit(serial: &str, sigmas_after: &[(&str, f64)]) -> Outcome {
-        let axis = |&(axis, sigma_after): &(&str, f64)| AxisResult {
-            axis: axis.to_owned(),
-            unit: AxisUnit::Dph,
-            n: 50,
-            sigma_before: 1.0,
-            sigma_after,
-        };
-        Outcome {
-            serial: serial.to_owned(),
-            logs: 1,
-            result: Ok(UnitResult {
-                rows: 100,
-                axes: sigmas_after.iter().map(axis).collect(),
-                judgement: Judgement::default(),
-            }),
-        }
-    }
 
     #[test]
     fn the_far_unit_and_the_bad_one_stand_out() {

@@ -102,41 +102,22 @@ fn reasons(judgement: &Judgement) -> [String; 2] {
 
 #[cfg(test)]
 mod tests {
-    use tempco_log::AxisUnit;
     use tempco_set::{Rejection, RejectionCode, Warning, WarningCode};
 
-    use super::super::outcome::{Outcome, UnitResult};
+    use super::super::outcome::Outcome;
+    use super::super::outcome::example::unit;
     use super::*;
-
-    fn unit(serial: &str, sigma_after: f64) -> Outcome {
-        let axis = AxisResult {
-            axis: "x".to_owned(),
-            unit: AxisUnit::Dph,
-            n: 50,
-            sigma_before: 1.0,
-            sigma_after,
-        };
-        Outcome {
-            serial: serial.to_owned(),
-            logs: 1,
-            result: Ok(UnitResult {
-                rows: 100,
-                axes: vec![axis],
-                judgement: Judgement::default(),
-            }),
-        }
-    }
 
     #[test]
     fn rows_are_of_units_and_axes() {
         let sigmas = [0.1, 0.11, 0.09, 0.105, 0.095, 0.9];
         let mut units: Vec<Outcome> = (0..)
             .zip(sigmas)
-            .map(|(i, s)| unit(&format!("S{i}"), s))
+            .map(|(i, s)| unit(&format!("S{i}"), &[("x", s)]))
             .collect();
         units.push(Outcome {
             result: Err("a,b.csv:1: <no> \"column\"".to_owned()),
-            ..unit("BAD", 0.0)
+            ..unit("BAD", &[])
         });
         let summary = Summary::new(units);
         let csv = String::from_utf8(summary.csv()).unwrap();
@@ -156,7 +137,11 @@ mod tests {
     #[test]
     fn texts_are_no_formulas() {
         let hostile = "=HYPERLINK(\"http://x\")<script>\u{1b}[2J\u{202e}";
-        let mut units = vec![unit(hostile, 0.1), unit("-1+1|x", 0.1), unit("-5", 2.0)];
+        let mut units = vec![
+            unit(hostile, &[("x", 0.1)]),
+            unit("-1+1|x", &[("x", 0.1)]),
+            unit("-5", &[("x", 2.0)]),
+        ];
         units[0].result.as_mut().unwrap().axes[0].axis = "@x".to_owned();
         units[1].result = Err("+cmd\r\n\t<img>".to_owned());
         let summary = Summary::new(units);
@@ -177,7 +162,7 @@ mod tests {
 
     #[test]
     fn what_is_judged_is_written_once() {
-        let mut rejected = unit("S", 0.1);
+        let mut rejected = unit("S", &[("x", 0.1)]);
         let judgement = &mut rejected.result.as_mut().unwrap().judgement;
         for axis in ["x", "y"] {
             let code = RejectionCode::SegmentsDisagree;

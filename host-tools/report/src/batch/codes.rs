@@ -64,14 +64,13 @@ fn hits<'a>(
     judged.collect()
 }
 
-fn list(heading: &str, summary: &Summary, codes: Vec<(Code, Hits)>) -> Markup {
-    let mut found: Vec<(Code, Hits)> = codes;
-    found.retain(|(_, hits)| !hits.is_empty());
+fn list(heading: &str, summary: &Summary, mut codes: Vec<(Code, Hits)>) -> Markup {
+    codes.retain(|(_, hits)| !hits.is_empty());
     html! {
-        @if !found.is_empty() {
+        @if !codes.is_empty() {
             section {
                 h2 { (heading) }
-                @for ([code, meaning, advice], hits) in found {
+                @for ([code, meaning, advice], hits) in codes {
                     div.code id={ "code-" (code) } {
                         h3 { code { (code) } " " span.unit { (count(hits.len())) } }
                         p { (meaning.replace('`', "")) " " b { (advice.replace('`', "")) } }

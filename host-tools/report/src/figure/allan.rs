@@ -5,9 +5,9 @@ use plotters::prelude::*;
 use tempco_set::AxisSet;
 
 use super::canvas::{DrawError, FINE, Figure};
-use super::frame::{BELOW, Key, LEFT, Mark, dot, line, text, titled, triangle, with_unit};
+use super::frame::{BELOW, Key, LEFT, Mark, dot, line, muted, titled, triangle, with_unit};
 use super::log_scale::{around, tick, ticks};
-use super::palette::{AFTER, BEFORE, GRID, MUTED};
+use super::palette::{AFTER, BEFORE, MUTED};
 use crate::ReportError;
 use crate::gather::{Deviation, GatheredAxis};
 
@@ -42,13 +42,7 @@ pub(super) fn draw(
                     x.clone().log_scale().with_key_points(ticks(&x)),
                     y.clone().log_scale().with_key_points(ticks(&y)),
                 )?;
-            chart
-                .configure_mesh()
-                .light_line_style(TRANSPARENT)
-                .bold_line_style(line(GRID, 10))
-                .axis_style(line(MUTED, 10))
-                .label_style(text(13, MUTED))
-                .axis_desc_style(text(13, MUTED))
+            muted(&mut chart.configure_mesh())
                 .x_desc("averaging time [s]")
                 .x_label_formatter(&tick)
                 .y_label_formatter(&tick)

@@ -8,9 +8,9 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::canvas::{Area, DrawError, FINE, Figure, Hovers};
-use super::frame::{BAND, BELOW, Key, LEFT, Mark, line, text, titled, with_unit};
+use super::frame::{BAND, BELOW, Key, LEFT, Mark, line, muted, text, titled, with_unit};
 use super::log_scale::{around, tick, ticks};
-use super::palette::{AFTER, BEFORE, GRID, INK, MUTED, hex};
+use super::palette::{AFTER, BEFORE, INK, MUTED, hex};
 use crate::ReportError;
 
 const KEYS: [Key; 4] = [
@@ -86,13 +86,7 @@ pub(crate) fn draw(name: &str, unit: &str, groups: &[Vec<Unit>; 2]) -> Result<Fi
                 .x_label_area_size(FINE * BELOW)
                 .y_label_area_size(FINE * LEFT)
                 .build_cartesian_2d(x.clone().log_scale().with_key_points(ticks(&x)), 0.0..2.0)?;
-            chart
-                .configure_mesh()
-                .light_line_style(TRANSPARENT)
-                .bold_line_style(line(GRID, 10))
-                .axis_style(line(MUTED, 10))
-                .label_style(text(13, MUTED))
-                .axis_desc_style(text(13, MUTED))
+            muted(&mut chart.configure_mesh())
                 .x_desc("standard deviation of means")
                 .x_label_formatter(&tick)
                 .y_labels(3)

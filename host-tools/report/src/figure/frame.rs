@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use plotters::chart::ChartContext;
+use plotters::chart::{ChartContext, MeshStyle};
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
@@ -108,6 +108,17 @@ pub(super) struct Scale<'a> {
     pub(super) name: &'a str,
 }
 
+/// Makes grid, axes and their labels step back behind the marks.
+pub(super) fn muted<'m, 'a, 'b, 'c, X: Ranged, Y: Ranged>(
+    mesh: &'m mut MeshStyle<'a, 'b, X, Y, SVGBackend<'c>>,
+) -> &'m mut MeshStyle<'a, 'b, X, Y, SVGBackend<'c>> {
+    mesh.light_line_style(TRANSPARENT)
+        .bold_line_style(line(GRID, 10))
+        .axis_style(line(MUTED, 10))
+        .label_style(text(13, MUTED))
+        .axis_desc_style(text(13, MUTED))
+}
+
 /// Axes with ticks and grid over the whole area.
 pub(super) fn axes<'a, 'b>(
     area: &'a Area<'b>,
@@ -124,13 +135,9 @@ pub(super) fn axes<'a, 'b>(
         .build_cartesian_2d(x.range.clone(), y.clone())?;
     let (x_tick, y_tick) = (ticks(&x.range), ticks(&y));
     let mut mesh = chart.configure_mesh();
-    mesh.light_line_style(TRANSPARENT)
-        .bold_line_style(line(GRID, 10))
-        .axis_style(line(MUTED, 10))
+    muted(&mut mesh)
         .set_all_tick_mark_size(FINE * 3)
         .y_labels(y_ticks)
-        .label_style(text(13, MUTED))
-        .axis_desc_style(text(13, MUTED))
         .y_label_formatter(&y_tick);
     if x.name.is_empty() {
         mesh.x_labels(7).x_label_formatter(&|_| String::new());
