@@ -38,6 +38,23 @@ impl Chunk {
         }
     }
 
+    /// Takes the rows from `row` on out of the chunk.
+    pub(super) fn split_off(&mut self, row: usize) -> Self {
+        Self {
+            time_s: self.time_s.split_off(row),
+            temps_c: self.temps_c.iter_mut().map(|c| c.split_off(row)).collect(),
+            axes: self.axes.iter_mut().map(|c| c.split_off(row)).collect(),
+        }
+    }
+
+    /// Temperatures and axes of a row.
+    pub(super) fn values(&self, row: usize) -> Vec<f64> {
+        let temps = self.temps_c.iter().map(|column| column[row].into());
+        temps
+            .chain(self.axes.iter().map(|column| column[row]))
+            .collect()
+    }
+
     /// Leaves out the rows that are not to be kept.
     pub(super) fn retain(&mut self, keep: &[bool]) {
         fn retain<T>(column: &mut Vec<T>, keep: &[bool]) {

@@ -10,13 +10,16 @@
 //! | `source`, `blocks`, `records`, `decimal`, `rows`, `pipeline` | text: unpacked, cut into blocks, parsed on all cores |
 //! | `parquet`, `pages` | tables of Parquet, in pages of bounded size |
 //! | `columns`, `layout`, [`AxisUnit`] | which column is what, in which unit |
-//! | `order`, `interval`, `stream`, `chunk` | rows in the order of time, in chunks |
+//! | `order`, `clock`, `bursts` | times that increase: counters that wrap, restarts, stamps of whole bursts |
+//! | `interval`, `stream`, `chunk` | rows in chunks, their usual interval |
 //! | `log`, `read` | a whole [`Log`] |
 //! | [`decimate`], [`median`], [`parallel`] | an evenly spaced sample of a series; medians; work on all cores |
 #![forbid(unsafe_code)]
 
 mod blocks;
+mod bursts;
 mod chunk;
+mod clock;
 mod columns;
 mod decimal;
 pub mod decimate;
@@ -41,6 +44,7 @@ mod tests;
 mod unit;
 
 pub use chunk::Chunk;
+pub use clock::TimeNotes;
 pub use columns::{AxisColumn, ChannelColumns, Mapping, TempColumn};
 pub use error::LogError;
 pub use excerpt::list_names;

@@ -1,7 +1,11 @@
-//! Puts parsed rows together and checks that time increases.
+//! Puts parsed rows together, with a time that increases.
+//!
+//! A few rows wait until those after them are known: what a stamp means depends on the next one.
 
 use super::LogError;
+use super::bursts::{self, Bursts};
 use super::chunk::Chunk;
+use super::clock::{Clock, LOOK_AHEAD, Stamp, TimeNotes};
 use super::layout::Layout;
 
 /// Consecutive rows whose cells were checked, apart from the order of their times.
@@ -30,83 +34,163 @@ pub(super) struct Bad {
 }
 
 /// The order of time over a whole log.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct TimeOrder {
-    last_s: Option<f64>,
     skip_bad_rows: bool,
+    clock: Clock,
+    /// How the logger stamps bursts; `None` inside until enough rows are there to know.
+    bursts: Option<Option<Bursts>>,
+    /// Rows that are not judged yet, with their numbers.
+    waiting: Chunk,
+    numbers: Vec<u64>,
+    /// Rows whose burst may go on.
+    open: Chunk,
+    /// Values of the row judged last.
+    last_row: Vec<f64>,
     /// Rows left out so far.
     pub(super) skipped: usize,
 }
 
 impl TimeOrder {
-    pub(super) fn new(skip_bad_rows: bool) -> Self {
+    pub(super) fn new(layout: &Layout, skip_bad_rows: bool) -> Self {
         Self {
             skip_bad_rows,
-            ..Self::default()
+            clock: Clock::default(),
+            bursts: None,
+            waiting: layout.chunk(0),
+            numbers: Vec::new(),
+            open: layout.chunk(0),
+            last_row: Vec::new(),
+            skipped: 0,
         }
     }
 
-    /// Takes the next rows of the log and returns those that are good.
+    /// Takes the next rows of the log and returns good ones, as far as they are known to be.
     ///
     /// # Errors
     /// The first bad row, unless bad rows are skipped.
     pub(super) fn take(&mut self, layout: &Layout, parsed: Parsed) -> Result<Chunk, LogError> {
-        let Parsed {
-            mut chunk,
-            base,
-            numbers,
-            skipped,
-            bad,
-        } = parsed;
-        self.skipped += skipped;
-        let follows = |time_s: f64| self.last_s.is_none_or(|before| time_s > before);
-        let increases = chunk.time_s.first().is_none_or(|&first| follows(first))
-            && chunk.time_s.windows(2).all(|t| t[1] > t[0]);
-        if increases {
-            self.last_s = chunk.time_s.last().copied().or(self.last_s);
-        } else if self.skip_bad_rows {
-            let keep: Vec<bool> = chunk.time_s.iter().map(|&t| self.advance(t)).collect();
-            self.skipped += keep.iter().filter(|&&keep| !keep).count();
-            chunk.retain(&keep);
+        self.skipped += parsed.skipped;
+        self.waiting.append(&parsed.chunk);
+        let numbers = parsed.numbers.iter();
+        self.numbers
+            .extend(numbers.map(|&number| parsed.base + u64::from(number)));
+        let Some(bad) = parsed.bad else {
+            return self.release(layout, false);
+        };
+        self.release(layout, true)?;
+        // In its row, time comes before the other cells.
+        if let Some(time_s) = bad.time_s
+            && let Err(message) = self.time(time_s, None)
+        {
+            return Err(layout.cell_error(bad.number, layout.columns.time, message));
+        }
+        Err(bad.error)
+    }
+
+    /// The rows that are left at the end of the log.
+    ///
+    /// # Errors
+    /// The first bad row, unless bad rows are skipped.
+    pub(super) fn finish(&mut self, layout: &Layout) -> Result<Chunk, LogError> {
+        self.release(layout, true)
+    }
+
+    /// What was found in the stamps so far.
+    pub(super) fn notes(&self) -> TimeNotes {
+        let bursts = self.bursts.iter().flatten().next();
+        TimeNotes {
+            rows_per_burst: bursts.map_or(0, |bursts| bursts.rows),
+            ..self.clock.notes.clone()
+        }
+    }
+
+    fn release(&mut self, layout: &Layout, is_end: bool) -> Result<Chunk, LogError> {
+        let stamps_s = &self.waiting.time_s;
+        if self.bursts.is_none() {
+            if !is_end && stamps_s.len() < bursts::AHEAD {
+                return Ok(layout.chunk(0));
+            }
+            self.bursts = Some(Bursts::find(&stamps_s[..stamps_s.len().min(bursts::AHEAD)]));
+        }
+        let ahead = if is_end { 0 } else { LOOK_AHEAD };
+        let later = self.waiting.split_off(stamps_s.len().saturating_sub(ahead));
+        let mut judged = std::mem::replace(&mut self.waiting, later);
+        self.judge(layout, &mut judged)?;
+        let Some(Some(bursts)) = &mut self.bursts else {
+            return Ok(judged);
+        };
+        self.open.append(&judged);
+        let rows = self.open.rows();
+        let open = if is_end {
+            0
         } else {
-            for (&time_s, number) in chunk.time_s.iter().zip(numbers) {
-                self.expect_advance(layout, base + u64::from(number), time_s)?;
-            }
-        }
-        if let Some(bad) = bad {
-            // In its row, time comes before the other cells.
-            if let Some(time_s) = bad.time_s {
-                self.expect_advance(layout, bad.number, time_s)?;
-            }
-            return Err(bad.error);
-        }
-        Ok(chunk)
+            bursts.open_rows(&self.open.time_s)
+        };
+        let later = self.open.split_off(rows - open);
+        let mut whole = std::mem::replace(&mut self.open, later);
+        bursts.spread(&mut whole.time_s);
+        Ok(whole)
     }
 
-    fn advance(&mut self, time_s: f64) -> bool {
-        let increases = self.last_s.is_none_or(|before| time_s > before);
-        if increases {
-            self.last_s = Some(time_s);
+    /// Makes times of the stamps of rows and leaves out the bad ones.
+    fn judge(&mut self, layout: &Layout, rows: &mut Chunk) -> Result<(), LogError> {
+        let count = rows.rows();
+        let numbers: Vec<u64> = self.numbers.drain(..count).collect();
+        let after_s = self.waiting.time_s.first().copied();
+        let last_row = count.checked_sub(1).map(|last| rows.values(last));
+        if !self.clock.pass(&rows.time_s, after_s) {
+            let (mut keep, mut times_s) = (vec![true; count], vec![0.0; count]);
+            for row in 0..count {
+                let next_s = rows.time_s.get(row + 1).copied().or(after_s);
+                let is_repeated = |before: Vec<f64>| rows.values(row) == before;
+                match self.time(rows.time_s[row], next_s) {
+                    Ok(Some(time_s)) => times_s[row] = time_s,
+                    // The same stamp and the same values: a row that was written twice.
+                    Ok(None)
+                        if is_repeated(match row {
+                            0 => self.last_row.clone(),
+                            _ => rows.values(row - 1),
+                        }) =>
+                    {
+                        keep[row] = false;
+                        self.clock.notes.repeated_rows += 1;
+                    }
+                    _ if self.skip_bad_rows => {
+                        keep[row] = false;
+                        self.skipped += 1;
+                    }
+                    Ok(None) => {
+                        let message = increase(rows.time_s[row], rows.time_s[row]);
+                        return Err(layout.cell_error(numbers[row], layout.columns.time, message));
+                    }
+                    Err(message) => {
+                        return Err(layout.cell_error(numbers[row], layout.columns.time, message));
+                    }
+                }
+            }
+            rows.time_s = times_s;
+            rows.retain(&keep);
         }
-        increases
+        self.last_row = last_row.unwrap_or_else(|| std::mem::take(&mut self.last_row));
+        Ok(())
     }
 
-    fn expect_advance(
-        &mut self,
-        layout: &Layout,
-        number: u64,
-        time_s: f64,
-    ) -> Result<(), LogError> {
-        match self.last_s {
-            Some(before) if time_s <= before => Err(layout.cell_error(
-                number,
-                layout.columns.time,
-                format!("{time_s} s after {before} s: expected time to increase"),
+    /// The time of a stamp \[s\]; `None` if it is the stamp of the row before; or what is wrong.
+    fn time(&mut self, stamp_s: f64, next_s: Option<f64>) -> Result<Option<f64>, String> {
+        match self.clock.judge(stamp_s, next_s) {
+            Stamp::At(time_s) => Ok(Some(time_s)),
+            // Bursts have one stamp for several rows.
+            Stamp::Again if matches!(self.bursts, Some(Some(_))) => Ok(self.clock.last_s()),
+            Stamp::Again => Ok(None),
+            Stamp::Ahead { before_s, after_s } => Err(format!(
+                "{stamp_s} s between rows of {before_s} s and {after_s} s: expected time to increase"
             )),
-            _ => {
-                self.last_s = Some(time_s);
-                Ok(())
-            }
+            Stamp::Back(before_s) => Err(increase(stamp_s, before_s)),
         }
     }
+}
+
+fn increase(time_s: f64, before_s: f64) -> String {
+    format!("{time_s} s after {before_s} s: expected time to increase")
 }

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::chunk::Chunk;
+use super::clock::TimeNotes;
 use super::columns::ChannelColumns;
 use super::layout::Layout;
 use super::order::TimeOrder;
@@ -68,8 +69,8 @@ impl LogStream {
         };
         Ok(Self {
             rows,
+            order: TimeOrder::new(&layout, skip),
             layout,
-            order: TimeOrder::new(skip),
             bytes,
             bytes_read,
             sha256: None,
@@ -81,20 +82,24 @@ impl LogStream {
     /// # Errors
     /// The first thing that is wrong, with file, line and column, or row and column.
     pub fn next_chunk(&mut self) -> Result<Option<Chunk>, LogError> {
-        if self.sha256.is_some() {
-            return Ok(None);
-        }
-        let next = match &mut self.rows {
-            Rows::Text(rows) => rows.next()?,
-            Rows::Parquet(rows) => rows.next()?,
-        };
-        match next {
-            Ok(parsed) => self.order.take(&self.layout, parsed).map(Some),
-            Err(sha256) => {
-                self.sha256 = Some(sha256);
-                Ok(None)
+        while self.sha256.is_none() {
+            let next = match &mut self.rows {
+                Rows::Text(rows) => rows.next()?,
+                Rows::Parquet(rows) => rows.next()?,
+            };
+            let rows = match next {
+                Ok(parsed) => self.order.take(&self.layout, parsed)?,
+                Err(sha256) => {
+                    let rest = self.order.finish(&self.layout)?;
+                    self.sha256 = Some(sha256);
+                    rest
+                }
+            };
+            if rows.rows() > 0 {
+                return Ok(Some(rows));
             }
         }
+        Ok(None)
     }
 
     /// SHA-256 of the file's bytes, in hexadecimal, once the log was read to its end.
@@ -105,6 +110,11 @@ impl LogStream {
     /// Rows left out so far because skipping bad rows was asked for.
     pub fn skipped_rows(&self) -> usize {
         self.order.skipped
+    }
+
+    /// What was found in the stamps of the rows so far.
+    pub fn time_notes(&self) -> TimeNotes {
+        self.order.notes()
     }
 
     /// Bytes of the file that were read so far.

@@ -12,7 +12,7 @@ use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::parser::parse_message_type;
 use proptest::prelude::*;
 
-use super::{Chunk, LogError, LogStream, ReadOptions, read_log};
+use super::{Chunk, LogError, LogStream, ReadOptions, TimeNotes, read_log};
 
 /// Reads a log in parts of `size` bytes, or rows of a table.
 fn read_in_parts(path: &Path, size: usize, skip_bad_rows: bool) -> Result<Chunk, LogError> {
@@ -401,7 +401,8 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(150))]
     #[test]
     fn a_log_is_the_same_in_parts_of_any_size(
-        rows in proptest::collection::vec(any_row(), 1..60),
+        // Less than a minute: no time that goes back is a restart.
+        rows in proptest::collection::vec(any_row(), 1..40),
         end in prop_oneof![4 => Just("\n"), 2 => Just("\r\n"), 1 => Just("\r")],
         last_end: bool,
         size in 1_usize..300,
@@ -447,5 +448,77 @@ proptest! {
         let read = read_in_parts(&path, size, true).unwrap();
         let read: Vec<_> = read.time_s.into_iter().zip(read.axes[0].iter().copied()).collect();
         prop_assert_eq!(read, expected);
+    }
+}
+
+/// A log with such stamps, and the whole of it as read in parts of some size.
+fn read_stamps(stamps: &[f64], size: usize, skip: bool) -> Result<(Chunk, TimeNotes), LogError> {
+    let rows = stamps.iter().enumerate();
+    let rows = rows.map(|(row, stamp)| format!("{stamp},20.5,{row}\n"));
+    let text = std::iter::once("time_s,temp_c,x_dph\n".to_owned()).chain(rows);
+    let folder = tempfile::tempdir().unwrap();
+    let path = write(
+        folder.path(),
+        "log.csv",
+        text.collect::<String>().as_bytes(),
+    );
+    let options = ReadOptions {
+        skip_bad_rows: skip,
+        ..ReadOptions::default()
+    };
+    let mut stream = LogStream::open_in_parts(&path, &options, size, size)?;
+    let mut whole = stream.empty_chunk();
+    while let Some(chunk) = stream.next_chunk()? {
+        whole.append(&chunk);
+    }
+    Ok((whole, stream.time_notes()))
+}
+
+#[test]
+fn stamps_of_every_logger_become_times_in_parts_of_any_size() {
+    let even: Vec<f64> = (0..2000).map(|i| 0.25 * f64::from(i)).collect();
+    let wrapped: Vec<f64> = even.iter().map(|t| (t + 4200.0) % 4_294.967_296).collect();
+    let restarted: Vec<f64> = even[..1000].iter().chain(&even[..1000]).copied().collect();
+    let bursts: Vec<f64> = even.iter().map(|t| (t / 2.5).floor() * 2.5).collect();
+    for size in [50, 1000, 1 << 20] {
+        let (rows, notes) = read_stamps(&wrapped, size, false).unwrap();
+        assert_eq!((rows.rows(), notes.wraps), (2000, 1));
+        assert!((rows.time_s[1999] - rows.time_s[0] - 499.75).abs() < 1e-6);
+
+        let (rows, notes) = read_stamps(&restarted, size, false).unwrap();
+        assert_eq!((rows.rows(), &notes.restarts_s[..]), (2000, &[3849.75][..]));
+        assert_eq!(rows.time_s[1999], 3849.75 + 249.75);
+
+        let (rows, notes) = read_stamps(&bursts, size, false).unwrap();
+        assert_eq!((rows.rows(), notes.rows_per_burst), (2000, 10));
+        let steps = rows.time_s.windows(2).map(|pair| pair[1] - pair[0]);
+        assert!(steps.into_iter().all(|step| (step - 0.25).abs() < 1e-9));
+
+        let mut ahead = even.clone();
+        ahead[700] = 93_877.3;
+        let error = read_stamps(&ahead, size, false).unwrap_err().to_string();
+        let place =
+            "log.csv:702:1: column `time_s`: 93877.3 s between rows of 174.75 s and 175.25 s";
+        assert!(error.contains(place), "{error}");
+        let (rows, _) = read_stamps(&ahead, size, true).unwrap();
+        assert_eq!((rows.rows(), rows.axes[0][700]), (1999, 701.0));
+    }
+}
+
+#[test]
+fn a_row_that_was_written_twice_counts_once() {
+    let text = "time_s,temp_c,x_dph\n0,20,1\n1,20,2\n1,20,2\n2,20,3\n2,20,4\n";
+    let folder = tempfile::tempdir().unwrap();
+    let path = write(folder.path(), "log.csv", text.as_bytes());
+    for size in [8, 1 << 20] {
+        let error = read_in_parts(&path, size, false).unwrap_err().to_string();
+        assert!(
+            error.contains(":6:1: column `time_s`: 2 s after 2 s"),
+            "{error}"
+        );
+        assert_eq!(
+            read_in_parts(&path, size, true).unwrap().axes[0],
+            [1.0, 2.0, 3.0]
+        );
     }
 }
