@@ -8,7 +8,7 @@
 //! | modules | what they do |
 //! | --- | --- |
 //! | `source`, `blocks`, `records`, `decimal`, `rows`, `pipeline` | text: unpacked, cut into blocks, parsed on all cores |
-//! | `parquet`, `pages` | tables of Parquet, in pages of bounded size |
+//! | `parquet`, `time_types`, `pages` | tables of Parquet, columns of times, pages of bounded size |
 //! | `columns`, `layout`, [`AxisUnit`] | which column is what, in which unit |
 //! | `order`, `clock`, `bursts` | times that increase: counters that wrap, restarts, stamps of whole bursts |
 //! | `interval`, `stream`, `chunk` | rows in chunks, their usual interval |
@@ -41,6 +41,7 @@ mod source;
 mod stream;
 #[cfg(test)]
 mod tests;
+mod time_types;
 mod unit;
 
 pub use chunk::Chunk;

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use bytes::Bytes;
 use flate2::bufread::MultiGzDecoder;
+use lz4_flex::block::DecompressError;
 use parquet::basic::Compression;
 use parquet::column::page::{Page, PageMetadata, PageReader};
 use parquet::errors::{ParquetError, Result};
@@ -176,8 +177,30 @@ impl Unpacker {
             }
             Compression::GZIP(_) => self.append(MultiGzDecoder::new(packed), &mut unpacked)?,
             Compression::ZSTD(_) => self.append(zstd::Decoder::new(packed)?, &mut unpacked)?,
+            // The size of the values is not in the data, so room is made until they fit.
+            Compression::LZ4_RAW => {
+                let mut room = packed.len().saturating_mul(4).clamp(1 << 16, self.most);
+                loop {
+                    match lz4_flex::block::decompress(packed, room) {
+                        Ok(values) => {
+                            unpacked.extend_from_slice(&values);
+                            break;
+                        }
+                        Err(DecompressError::OutputTooSmall { .. }) if room < self.most => {
+                            room = room.saturating_mul(4).min(self.most);
+                        }
+                        Err(DecompressError::OutputTooSmall { .. }) => {
+                            return Err(too_large(self.most));
+                        }
+                        Err(cause) => return Err(ParquetError::General(cause.to_string())),
+                    }
+                }
+            }
             other => {
-                let message = format!("pages packed by {other}: expected Snappy, gzip or zstd");
+                let name = other.to_string();
+                let (name, _) = name.split_once('(').unwrap_or((&name, ""));
+                let message =
+                    format!("pages packed by {name}: expected Snappy, gzip, zstd or LZ4_RAW");
                 return Err(ParquetError::NYI(message));
             }
         }
@@ -213,6 +236,7 @@ mod tests {
                 encoder.finish().unwrap()
             }
             Compression::ZSTD(_) => zstd::encode_all(bytes, 1).unwrap(),
+            Compression::LZ4_RAW => lz4_flex::block::compress(bytes),
             _ => bytes.to_vec(),
         }
     }
@@ -227,6 +251,7 @@ mod tests {
             Compression::SNAPPY,
             Compression::GZIP(GzipLevel::default()),
             Compression::ZSTD(ZstdLevel::default()),
+            Compression::LZ4_RAW,
         ] {
             let unpacker = Unpacker {
                 compression,

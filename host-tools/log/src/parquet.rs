@@ -2,7 +2,7 @@
 
 use std::fs::File;
 use std::path::Path;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 use std::thread::{self, JoinHandle};
 
 use parquet::basic::{ConvertedType, LogicalType, Type as PhysicalType};
@@ -15,16 +15,21 @@ use parquet::schema::types::ColumnDescriptor;
 use super::LogError;
 use super::columns::Mapping;
 use super::excerpt::excerpt;
-use super::layout::{Layout, RowKind};
+use super::layout::{Kind, Layout, RowKind};
 use super::order::{Bad, Parsed};
 use super::pages::{BoundedFile, LARGEST_PAGE, Pages, TooLarge};
 use super::source::Source;
+use super::time_types::{TimeType, time_types};
 
 /// The rows of a Parquet file, some at a time.
 pub(super) struct ParquetRows {
     file: Arc<BoundedFile>,
     metadata: ParquetMetaData,
     layout: Arc<Layout>,
+    /// How the time column becomes seconds, if its type says it.
+    time: Option<TimeType>,
+    /// The first point in time, if the time column holds such.
+    origin: Arc<OnceLock<i64>>,
     skip_bad_rows: bool,
     rows_at_a_time: usize,
     /// The next group of rows.
@@ -44,7 +49,8 @@ impl ParquetRows {
     ///
     /// # Errors
     /// A file that is not sound, columns that do not name time, temperature and axes, columns that
-    /// hold no numbers.
+    /// hold no numbers. The time column may hold timestamps, times of day or durations; the only
+    /// such column needs no name that says so.
     pub(super) fn open(
         path: &Path,
         source: Source,
@@ -58,10 +64,19 @@ impl ParquetRows {
         let metadata = metadata.map_err(|cause| refused(path, &cause))?;
         let schema = metadata.file_metadata().schema_descr();
         let header = schema.columns().iter().map(|column| column.path().string());
-        let layout = Layout::new(path, header.collect(), mapping, RowKind::Row)?;
+        let header: Vec<String> = header.collect();
+        let types = time_types(metadata.file_metadata());
+        let mut mapping = mapping.clone();
+        let mut timed = types.iter().zip(&header).filter(|(time, _)| time.is_some());
+        if let (None, Some((_, name)), None) = (&mapping.time, timed.next(), timed.next()) {
+            mapping.time = Some(name.clone());
+        }
+        let layout = Layout::new(path, header, &mapping, RowKind::Row)?;
+        let time = types[layout.columns.time];
         for slot in &layout.slots {
             let column = schema.column(slot.position);
-            if let Some(found) = no_number(&column) {
+            let is_time = slot.kind == Kind::Time && time.is_some();
+            if let Some(found) = no_number(&column).filter(|_| !is_time) {
                 let name = excerpt(&layout.header[slot.position]);
                 return Err(LogError::file(
                     path,
@@ -74,6 +89,8 @@ impl ParquetRows {
             file: Arc::new(file),
             metadata,
             layout: Arc::clone(&layout),
+            time,
+            origin: Arc::default(),
             skip_bad_rows,
             rows_at_a_time,
             group: 0,
@@ -125,7 +142,8 @@ impl ParquetRows {
                 let column = schema.column(slot.position);
                 let pages = Pages::new(&self.file, group.column(slot.position), rows)?;
                 let reader = get_column_reader(Arc::clone(&column), Box::new(pages));
-                Ok(Column::new(&column, reader))
+                let time = self.time.filter(|_| slot.kind == Kind::Time);
+                Ok(Column::new(&column, reader, time, &self.origin))
             })
             .collect::<Result<_, ParquetError>>()?;
         self.rows_left = rows;
@@ -229,7 +247,13 @@ struct Column {
 }
 
 impl Column {
-    fn new(column: &ColumnDescriptor, reader: ColumnReader) -> Self {
+    /// Values as they are; seconds of a `time`, since `origin` if it is a point in time.
+    fn new(
+        column: &ColumnDescriptor,
+        reader: ColumnReader,
+        time: Option<TimeType>,
+        origin: &Arc<OnceLock<i64>>,
+    ) -> Self {
         let can_be_null = column.max_def_level() > 0;
         let is_unsigned = matches!(
             column.converted_type(),
@@ -238,7 +262,21 @@ impl Column {
                 | ConvertedType::UINT_32
                 | ConvertedType::UINT_64
         );
+        let origin = Arc::clone(origin);
+        let seconds = move |value: i64, time: TimeType| {
+            let since = match time.is_instant {
+                true => value.wrapping_sub(*origin.get_or_init(|| value)),
+                false => value,
+            };
+            since as f64 / time.per_second as f64
+        };
         let reader: Box<dyn ReadValues> = match (reader, is_unsigned) {
+            (ColumnReader::Int64ColumnReader(r), _) if let Some(time) = time => {
+                typed(r, can_be_null, move |value| seconds(value, time))
+            }
+            (ColumnReader::Int32ColumnReader(r), _) if let Some(time) = time => {
+                typed(r, can_be_null, move |value| seconds(value.into(), time))
+            }
             (ColumnReader::FloatColumnReader(r), _) => typed(r, can_be_null, f64::from),
             (ColumnReader::DoubleColumnReader(r), _) => typed(r, can_be_null, |value| value),
             (ColumnReader::Int32ColumnReader(r), false) => typed(r, can_be_null, f64::from),
@@ -281,7 +319,7 @@ trait ReadValues: Send {
 struct Typed<T: DataType> {
     reader: ColumnReaderImpl<T>,
     can_be_null: bool,
-    to_f64: fn(T::T) -> f64,
+    to_f64: Box<dyn Fn(T::T) -> f64 + Send>,
     levels: Vec<i16>,
     present: Vec<T::T>,
 }
@@ -289,7 +327,7 @@ struct Typed<T: DataType> {
 fn typed<T: DataType>(
     reader: ColumnReaderImpl<T>,
     can_be_null: bool,
-    to_f64: fn(T::T) -> f64,
+    to_f64: impl Fn(T::T) -> f64 + Send + 'static,
 ) -> Box<dyn ReadValues>
 where
     Typed<T>: ReadValues + 'static,
@@ -297,7 +335,7 @@ where
     Box::new(Typed {
         reader,
         can_be_null,
-        to_f64,
+        to_f64: Box::new(to_f64),
         levels: Vec::new(),
         present: Vec::new(),
     })

@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use parquet::basic::{Compression, GzipLevel, ZstdLevel};
 use parquet::column::writer::ColumnWriter;
+use parquet::file::metadata::KeyValue;
 use parquet::file::properties::{WriterProperties, WriterVersion};
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::parser::parse_message_type;
@@ -503,6 +504,136 @@ fn stamps_of_every_logger_become_times_in_parts_of_any_size() {
         let (rows, _) = read_stamps(&ahead, size, true).unwrap();
         assert_eq!((rows.rows(), rows.axes[0][700]), (1999, 701.0));
     }
+}
+
+/// What pyarrow writes as `ARROW:schema` for a column `time` of durations, `temp_c` and `x_dph`,
+/// with the units in a second.
+const ARROW_DURATIONS: [(&str, i64); 4] = [
+    (
+        "/////9gAAAAQAAAAAAAKAAwABgAFAAgACgAAAAABBAAMAAAACAAIAAAABAAIAAAABAAAAAMAAAB0AAAANAAAAAQAAACo////AAABAxAAAAAYAAAABAAAAAAAAAAFAAAAeF9kcGgAAACa////AAACANT///8AAAEDEAAAABgAAAAEAAAAAAAAAAYAAAB0ZW1wX2MAAMb///8AAAIAEAAUAAgABgAHAAwAAAAQABAAAAAAAAESEAAAABwAAAAEAAAAAAAAAAQAAAB0aW1lAAAGAAgABgAGAAAAAAAAAAAAAAA=",
+        1,
+    ),
+    (
+        "/////9gAAAAQAAAAAAAKAAwABgAFAAgACgAAAAABBAAMAAAACAAIAAAABAAIAAAABAAAAAMAAAB8AAAANAAAAAQAAACg////AAABAxAAAAAYAAAABAAAAAAAAAAFAAAAeF9kcGgAAADS////AAACAMz///8AAAEDEAAAACAAAAAEAAAAAAAAAAYAAAB0ZW1wX2MAAAAABgAIAAYABgAAAAAAAgAQABQACAAGAAcADAAAABAAEAAAAAAAARIQAAAAHAAAAAQAAAAAAAAABAAAAHRpbWUAAAAABAAEAAQAAAA=",
+        1_000,
+    ),
+    (
+        "/////9gAAAAQAAAAAAAKAAwABgAFAAgACgAAAAABBAAMAAAACAAIAAAABAAIAAAABAAAAAMAAAB0AAAANAAAAAQAAACo////AAABAxAAAAAYAAAABAAAAAAAAAAFAAAAeF9kcGgAAACa////AAACANT///8AAAEDEAAAABgAAAAEAAAAAAAAAAYAAAB0ZW1wX2MAAMb///8AAAIAEAAUAAgABgAHAAwAAAAQABAAAAAAAAESEAAAABwAAAAEAAAAAAAAAAQAAAB0aW1lAAAGAAgABgAGAAAAAAACAAAAAAA=",
+        1_000_000,
+    ),
+    (
+        "/////9gAAAAQAAAAAAAKAAwABgAFAAgACgAAAAABBAAMAAAACAAIAAAABAAIAAAABAAAAAMAAAB0AAAANAAAAAQAAACo////AAABAxAAAAAYAAAABAAAAAAAAAAFAAAAeF9kcGgAAACa////AAACANT///8AAAEDEAAAABgAAAAEAAAAAAAAAAYAAAB0ZW1wX2MAAMb///8AAAIAEAAUAAgABgAHAAwAAAAQABAAAAAAAAESEAAAABwAAAAEAAAAAAAAAAQAAAB0aW1lAAAGAAgABgAGAAAAAAADAAAAAAA=",
+        1_000_000_000,
+    ),
+];
+
+/// Writes a time column of 64-bit integers by its declaration, with a temperature and an axis.
+fn timed_parquet(path: &Path, time: &str, times: &[i64], arrow_schema: Option<&str>) {
+    let schema =
+        format!("message log {{ {time}; required double temp_c; required double x_dph; }}");
+    let schema = Arc::new(parse_message_type(&schema).unwrap());
+    let pair = |value: &str| KeyValue::new("ARROW:schema".to_owned(), value.to_owned());
+    let properties = WriterProperties::builder()
+        .set_key_value_metadata(arrow_schema.map(|schema| vec![pair(schema)]));
+    let file = File::create(path).unwrap();
+    let properties = Arc::new(properties.build());
+    let mut writer = SerializedFileWriter::new(file, schema, properties).unwrap();
+    // Two groups: the first row of the file is the origin of both.
+    for times in times.chunks(times.len() / 2) {
+        let mut columns = writer.next_row_group().unwrap();
+        while let Some(mut column) = columns.next_column().unwrap() {
+            match column.untyped() {
+                ColumnWriter::Int64ColumnWriter(column) => {
+                    column.write_batch(times, None, None).unwrap();
+                }
+                ColumnWriter::DoubleColumnWriter(column) => {
+                    column
+                        .write_batch(&vec![20.0; times.len()], None, None)
+                        .unwrap();
+                }
+                _ => unreachable!("the schema has no other columns"),
+            }
+            column.close().unwrap();
+        }
+        columns.close().unwrap();
+    }
+    writer.close().unwrap();
+}
+
+#[test]
+fn times_of_a_table_are_seconds_by_their_type() {
+    const SECONDS: [(&str, i64); 3] = [
+        ("required int64 stamp (TIMESTAMP(MILLIS,true))", 1_000),
+        ("required int64 stamp (TIMESTAMP(MICROS,false))", 1_000_000),
+        (
+            "required int64 stamp (TIMESTAMP(NANOS,true))",
+            1_000_000_000,
+        ),
+    ];
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("t");
+    let origin_s = 1_709_542_800;
+    for (time, per_second) in SECONDS {
+        let times: Vec<i64> = (0..40)
+            .map(|i| origin_s * per_second + i * per_second / 4)
+            .collect();
+        timed_parquet(&path, time, &times, None);
+        let rows = read_in_parts(&path, 7, false).unwrap();
+        let expected: Vec<f64> = (0..40).map(|i| 0.25 * f64::from(i)).collect();
+        assert_eq!(rows.time_s, expected, "{time}");
+    }
+    // A duration and a time of day count from 0.
+    let day = "required int64 clock (TIME(MICROS,true))";
+    timed_parquet(
+        &path,
+        day,
+        &[5_000_000, 5_500_000, 6_000_000, 6_500_000],
+        None,
+    );
+    assert_eq!(
+        read_in_parts(&path, 7, false).unwrap().time_s,
+        [5.0, 5.5, 6.0, 6.5]
+    );
+    for (schema, per_second) in ARROW_DURATIONS {
+        let times: Vec<i64> = (0..4).map(|i| i * per_second).collect();
+        timed_parquet(&path, "required int64 time", &times, Some(schema));
+        let rows = read_in_parts(&path, 7, false).unwrap();
+        assert_eq!(rows.time_s, [0.0, 1.0, 2.0, 3.0], "{per_second}");
+    }
+    // Without a type, a name must say the unit. A schema that is cut or spoilt says nothing.
+    for cut in [0, 1, 20, 100, 200] {
+        let (schema, _) = ARROW_DURATIONS[1];
+        timed_parquet(
+            &path,
+            "required int64 time",
+            &[0, 1, 2, 3],
+            Some(&schema[..4 * (cut / 4)]),
+        );
+        let error = read_in_parts(&path, 7, false).unwrap_err().to_string();
+        assert!(
+            error.contains("`time` is not in seconds by its name"),
+            "{error}"
+        );
+    }
+    let (schema, _) = ARROW_DURATIONS[1];
+    for at in 0..schema.len() {
+        let mut spoilt = schema.as_bytes().to_vec();
+        spoilt[at] = if spoilt[at] == b'/' { b'A' } else { b'/' };
+        let spoilt = String::from_utf8(spoilt).unwrap();
+        timed_parquet(
+            &path,
+            "required int64 time",
+            &[0, 1000, 2000, 3000],
+            Some(&spoilt),
+        );
+        let _ = read_in_parts(&path, 7, false);
+    }
+    // Two columns of times: neither is chosen.
+    let two =
+        "required int64 a (TIMESTAMP(MILLIS,true)); required int64 b (TIMESTAMP(MILLIS,true))";
+    timed_parquet(&path, two, &[0, 1, 2, 3], None);
+    let error = read_in_parts(&path, 7, false).unwrap_err().to_string();
+    assert!(error.contains("no time column"), "{error}");
 }
 
 #[test]
