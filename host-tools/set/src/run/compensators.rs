@@ -40,18 +40,24 @@ pub(super) struct Rows<'a> {
 }
 
 /// Passes a function to `feed` that runs the next rows of one log through the core.
-pub(super) fn with_compensators<R, F>(set: &CoefficientSet, feed: F) -> Result<R, TableError>
-where
-    F: FnOnce(&mut dyn FnMut(&Rows) -> Applied) -> R,
-{
+pub(super) fn with_compensators<R>(
+    set: &CoefficientSet,
+    feed: impl FnOnce(&mut dyn FnMut(&Rows) -> Applied) -> R,
+) -> Result<R, TableError> {
     let tables: Vec<&TableData> = set.channels.iter().map(|channel| &channel.table).collect();
-    use_tables(&tables, Run(feed))?
+    let (mut feed, mut result) = (Some(feed), None);
+    let mut once = |step: &mut dyn FnMut(&Rows) -> Applied| {
+        result = feed.take().map(|feed| feed(step));
+    };
+    use_tables(&tables, Run(&mut once))??;
+    Ok(result.expect("`Run` feeds once"))
 }
 
-struct Run<F>(F);
+/// Without the type of what is fed, so that the compiler makes each shape of tables once.
+struct Run<'f>(&'f mut dyn FnMut(&mut dyn FnMut(&Rows) -> Applied));
 
-impl<R, F: FnOnce(&mut dyn FnMut(&Rows) -> Applied) -> R> TableUse for Run<F> {
-    type Output = Result<R, TableError>;
+impl TableUse for Run<'_> {
+    type Output = Result<(), TableError>;
 
     fn with<const CHANNELS: usize, const AXES: usize, const PLAYS: usize, const SLOW: usize>(
         self,
@@ -59,7 +65,7 @@ impl<R, F: FnOnce(&mut dyn FnMut(&Rows) -> Applied) -> R> TableUse for Run<F> {
     ) -> Self::Output {
         let units: Result<Vec<_>, _> = tables.iter().map(Unit::new).collect();
         let mut units = units?;
-        Ok((self.0)(&mut |rows| {
+        (self.0)(&mut |rows| {
             let mut applied = Applied {
                 status: vec![Status::OK; rows.intervals_s.len()],
                 ..Applied::default()
@@ -68,7 +74,8 @@ impl<R, F: FnOnce(&mut dyn FnMut(&Rows) -> Applied) -> R> TableUse for Run<F> {
                 unit.step(inputs, rows.intervals_s, &mut applied);
             }
             applied
-        }))
+        });
+        Ok(())
     }
 }
 
