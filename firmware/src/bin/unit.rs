@@ -57,6 +57,7 @@ mod image {
     }
 
     fn run() -> Option<Reason> {
+        // The board, and why it started.
         let mut core = Peripherals::take()?;
         let (mut devices, flash, gyro) = chosen::take(&mut core)?;
         let last = reset::last();
@@ -68,6 +69,7 @@ mod image {
             devices.reset_cause = ResetCause::Watchdog;
         }
 
+        // The tables of the active image. Without one, the unit runs and sends raw samples.
         type Buffer = AlignedBytes<IMAGE_LEN>;
         let buffer = singleton!(: Buffer = AlignedBytes([0; IMAGE_LEN]))?;
         let scratch = singleton!(: Buffer = AlignedBytes([0; IMAGE_LEN]))?;
@@ -84,6 +86,7 @@ mod image {
             tables.map_or(0, |(_, crc)| crc)
         );
 
+        // Sampling: queues to the main loop, scale of the gyro, offsets of re-zero.
         let queues = singleton!(: Queues<CHANNELS, AXES> = Queues::new())?;
         let (interrupt_ends, ends) = queues.split(&COUNTS);
         let scale = scale::<BoardGyro, CHANNELS, AXES>(image.as_ref(), SCHEDULE.sample_rate_hz);
@@ -102,9 +105,11 @@ mod image {
         // In its place before the first interrupt, which would else have to move it.
         let sampling = singleton!(: BoardSampling = sampling)?;
 
+        // From here on the interrupt owns the sampling.
         let clock = SysTick::start(&mut core.SYST);
         sampling.start(&clock);
         critical_section::with(|cs| INTERRUPT.borrow(cs).set(Some((sampling, core.SYST))));
+        // The main loop owns the rest, until a reset is commanded.
         let parts = Parts {
             storage,
             tables,

@@ -61,6 +61,7 @@ where
             },
             Request::Losses => Response::Losses(self.ends.counts.losses()),
             Request::SelectBank(bank) => done(self.storage.select::<C, A>(bank)),
+            // A table into the bank that is not active: begin, chunks, commit, activate.
             Request::UploadBegin { len } => match self.storage.upload_begin(len) {
                 Ok(()) => Response::Expected { offset: 0 },
                 Err(refusal) => Response::Refused(refusal),
@@ -81,6 +82,7 @@ where
                 self.wants_reset = true;
                 Response::Done
             }
+            // A table back to the host.
             Request::Download { len, .. } if usize::from(len) > MAX_CHUNK => {
                 Response::Refused(Refusal::Unknown)
             }

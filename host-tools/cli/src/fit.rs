@@ -168,6 +168,7 @@ fn show_statistics(set: &CoefficientSet) -> Result<()> {
             figure(data.thermal.kappa.into()),
         ))?;
     }
+    // Per axis, errors of rows and sigmas of means; of a single mean there is no sigma.
     let rows = set.axes().filter_map(|(_, axis)| {
         let s = axis.statistics?;
         let sigma = |value| {

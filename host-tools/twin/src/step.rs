@@ -173,6 +173,7 @@ impl Step {
     /// Appends the stretches of this step.
     pub(crate) fn append(&self, legs: &mut Legs) -> Result<(), Invalid> {
         let air = Range::TEMPERATURE;
+        // Each step checks its numbers by name, then appends its stretches.
         match *self {
             Self::Soak {
                 air_c,
@@ -217,6 +218,7 @@ impl Step {
             } => {
                 air.check("sine.mean_c", mean_c)?;
                 Range::DIFFERENCE.check("sine.amplitude_c", amplitude_c)?;
+                // Both ends of the sine are air temperatures, and its steepest rate has a limit.
                 for end_c in [mean_c - amplitude_c, mean_c + amplitude_c] {
                     air.check("sine.amplitude_c", end_c)
                         .map_err(|error| Invalid {
@@ -248,6 +250,7 @@ impl Step {
                 Range::SHARE.check("door.share", share)?;
                 Range::DURATION_MIN.check("door.open_min", open_min)?;
                 Range::DURATION_MIN.check("door.recover_min", recover_min)?;
+                // A share of the way to the room, and back.
                 let before_c = legs.air_c;
                 legs.line(before_c + share * (room_c - before_c), open_min);
                 legs.line(before_c, recover_min);

@@ -46,6 +46,7 @@ pub(super) fn show(set: &CoefficientSet) -> Result<()> {
 fn show_channel(channel: &ChannelSet) -> Result<()> {
     let data = &channel.table;
     let thermal = &data.thermal;
+    // Ranges and the thermal path.
     print(format_args!(
         "\n{}: calibrated {} to {} degC and {} to {} degC/min; rate estimator tau {} s, kappa {}; \
          {} cells of {} degC, {} bytes; {:.3} % from the segments at most",
@@ -61,6 +62,7 @@ fn show_channel(channel: &ChannelSet) -> Result<()> {
         size_of::<Terms>() * channel.axes.len() * data.cells.len(),
         100.0 * channel.table_deviation,
     ))?;
+    // Coefficients by segment, and what the fit knows of them.
     print(format_args!(
         "\nCoefficients of {} with T in degC and T' in degC/min",
         TERMS.join(", ")
@@ -81,6 +83,7 @@ fn show_channel(channel: &ChannelSet) -> Result<()> {
 
     show_rounding(channel)?;
 
+    // Boundaries between segments, as fitted and as the table has them.
     let mut rows = Vec::new();
     for (number, axis) in channel.axes.iter().enumerate() {
         let bias_range = data.static_range(number);

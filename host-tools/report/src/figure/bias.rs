@@ -40,11 +40,13 @@ pub(super) fn draw(
 ) -> Result<Figure, ReportError> {
     let axis = &channel.axes[number];
     let (name, unit) = (&axis.name, axis.unit.symbol());
+    // What the core takes out at zero rate, with the 1-sigma band of its coefficients.
     let curve = static_curve(channel, number);
     let band: Vec<(f64, f64, f64)> = curve
         .iter()
         .filter_map(|&(temp_c, bias)| Some((temp_c, bias, sigma_at(axis, temp_c)?)))
         .collect();
+    // Direction, temperature, bias taken out, bias measured.
     let marks: Vec<(Direction, f64, f64, f64)> = shown
         .by_temp
         .iter()
@@ -56,6 +58,7 @@ pub(super) fn draw(
             })
         })
         .collect();
+    // Scales that hold marks, curve and band.
     let y = range_of(
         marks
             .iter()
@@ -78,11 +81,13 @@ pub(super) fn draw(
         |area, hovers| -> Result<(), DrawError> {
             let area = titled(area, &format!("{name}: bias [{unit}]"), &KEYS)?;
             let mut chart = axes(&area, x, y, 6)?;
+            // The band first, so that everything else lies upon it.
             let upper = band.iter().map(|&(t, b, sigma)| (t, b + sigma));
             let lower = band.iter().rev().map(|&(t, b, sigma)| (t, b - sigma));
             let outline: Vec<(f64, f64)> = upper.chain(lower).collect();
             chart.draw_series([Polygon::new(outline, INK.mix(BAND))])?;
             chart.draw_series([PathElement::new(curve, line(INK, 20))])?;
+            // By direction: the line of what was taken out, and the marks of what was measured.
             for direction in Direction::ALL {
                 let (colour, called) = of_direction(direction);
                 let of_it = || marks.iter().filter(move |mark| mark.0 == direction);

@@ -28,6 +28,7 @@ impl CoefficientSet {
                 self.format, self.format_version
             ));
         }
+        // Shape: as many axes, polynomials and history terms as belong together.
         let axes = self
             .channels
             .first()
@@ -72,6 +73,7 @@ impl CoefficientSet {
                 .check(axes)
                 .map_err(|error| error.to_string())?;
         }
+        // The CRC says whether the table is the one that was written.
         let crc = self.crc32();
         if self.table_crc32 != format!("{crc:08x}") {
             return Err(format!(
@@ -80,6 +82,7 @@ impl CoefficientSet {
                 self.table_crc32
             ));
         }
+        // Then the numbers, and whether table and polynomials agree.
         self.check_numbers()?;
         for (number, channel) in self.channels.iter().enumerate() {
             channel.check_agreement(&format!("channels[{number}]"), self.settings.overlap)?;

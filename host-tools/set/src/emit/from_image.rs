@@ -32,6 +32,7 @@ fn axis_unit(unit: Unit) -> AxisUnit {
 pub fn set_of_image(image: &Image, log: &Log) -> Result<CoefficientSet, String> {
     let explain = |error: ImageError| error.to_string();
     image.validate().map_err(explain)?;
+    // The log must have the temperatures and axes of the image, in its units.
     let found: Vec<usize> = log.channels.iter().map(|c| c.axes.len()).collect();
     let expected = vec![image.axes(); image.channels()];
     if found != expected {
@@ -70,6 +71,7 @@ pub fn set_of_image(image: &Image, log: &Log) -> Result<CoefficientSet, String> 
             selection: None,
         })
     });
+    // What only a fit knows stays empty.
     let set = build::set(
         image.info().serial.to_owned(),
         Provenance {
@@ -84,6 +86,7 @@ pub fn set_of_image(image: &Image, log: &Log) -> Result<CoefficientSet, String> 
         },
         channels.collect::<Result<_, String>>()?,
     );
+    // The numbers must be those that the image was written with.
     let table_crc = image.info().table_crc;
     if set.crc32() == table_crc {
         Ok(set)

@@ -50,6 +50,7 @@ impl<'a> Job<'a> {
 /// since the machine's load shows in each.
 pub(super) fn figures(workspace: &Workspace, rows: u32) -> Result<Value> {
     let program = build_tempco(workspace, &["--release"])?;
+    // Logs: one of the size asked for, one of usual size.
     let folder = workspace.root().join("target/bench");
     std::fs::create_dir_all(&folder)?;
     let (log, usual) = (folder.join("host.csv"), folder.join("usual.csv"));
@@ -57,6 +58,7 @@ pub(super) fn figures(workspace: &Workspace, rows: u32) -> Result<Value> {
     let usual_rows = write_log(&usual, USUAL_ROWS)?;
     let simulated = SIMULATED_HZ * Profile::named("calibration")?.duration_s() + 1.0;
 
+    // The jobs. The peers do what `fit` does without its report.
     let simulate = || {
         let mut command = Command::new(&program);
         command.args(["simulate", "--unit", "paper", "--profile", "calibration"]);
@@ -76,7 +78,6 @@ pub(super) fn figures(workspace: &Workspace, rows: u32) -> Result<Value> {
     let with_report = ["--segments", SEGMENTS];
     let python = peers::install(workspace);
     let mut jobs = vec![
-        // The peers draw no figures either: without the report.
         Job::new("fit", rows, || fit(&log, &composite)),
         Job::new("auto", rows, || fit(&log, &auto)),
         Job::new("with_report", rows, || fit(&log, &with_report)),
@@ -94,11 +95,13 @@ pub(super) fn figures(workspace: &Workspace, rows: u32) -> Result<Value> {
         }
         Err(error) => println!("pandas and polars are not measured: {error:#}"),
     }
+    // In turn, so that a slow moment of the machine hits all of them.
     for _ in 0..ROUNDS {
         for job in &mut jobs {
             keep_best(&mut job.best, watch(&mut (job.command)())?);
         }
     }
+    // The least of each job, and its ratio to `fit`.
     println!("this machine, best of {ROUNDS}, three axes from CSV to coefficients");
     println!("                      rows   seconds      rows/s  peak MiB  times fit");
     let fitting = jobs[0].best;

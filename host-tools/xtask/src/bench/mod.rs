@@ -62,6 +62,7 @@ fn target(workspace: &Workspace) -> Result<Value> {
     let run = run_image(&image, board, &[], &options)?;
     ensure!(run.succeeded(), "the bench image failed: {:?}", run.log);
 
+    // The image prints a line for each function and size.
     let mut figures = Map::new();
     let mut baselines = Map::new();
     let mut sizes = Map::new();
@@ -106,6 +107,7 @@ fn target(workspace: &Workspace) -> Result<Value> {
         figures.contains_key("step"),
         "the bench image measured nothing"
     );
+    // Cycles of an M7 come from a model of that processor, over its own code.
     let code_bytes = kernel("step")?.size;
     println!("  {:24} {code_bytes:>8} bytes", "code of step");
     let m7 = build(workspace, Board::Mps2An500, "bench", None)?;

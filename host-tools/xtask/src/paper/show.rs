@@ -146,6 +146,7 @@ fn table_3(outcomes: &[Outcome]) {
         "auto here",
     ];
     println!("{}", table(&header, rows));
+    // The same as improvements.
     let gain = |sigmas: &[f64], model: usize| 1.0 - sigmas[model] / sigmas[0];
     let rows = (0..3).map(|axis| {
         let mut row = vec![AXES[axis].to_owned()];
@@ -167,6 +168,7 @@ fn table_3(outcomes: &[Outcome]) {
         "auto here",
     ];
     println!("{}", table(&header, rows));
+    // Where this unit and the paper differ, in words.
     for (axis, name) in AXES.iter().enumerate() {
         let [composite, auto] = [2, AUTO].map(|i| mean(outcomes, |o| o.table_3[axis][i]));
         if auto > composite {
