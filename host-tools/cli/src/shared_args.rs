@@ -123,7 +123,12 @@ impl LogArgs {
         let options = self.options(set_scale_factor);
         let log = read_log_observed(path, &options, |bytes| progress.add(bytes))?;
         drop(progress);
-        say_unused(&log.file, &log.ignored_columns, log.skipped_rows);
+        say_unused(
+            &log.file,
+            &log.ignored_columns,
+            log.skipped_rows,
+            &log.notes,
+        );
         Ok(log)
     }
 
@@ -137,7 +142,12 @@ impl LogArgs {
         drop(progress);
         let logs = logs.into_iter().collect::<Result<Vec<_>, _>>()?;
         for log in &logs {
-            say_unused(log.file(), log.ignored_columns(), log.skipped_rows());
+            say_unused(
+                log.file(),
+                log.ignored_columns(),
+                log.skipped_rows(),
+                log.notes(),
+            );
         }
         Ok(logs)
     }
@@ -156,8 +166,12 @@ impl LogArgs {
     }
 }
 
-/// Names the columns of a log that were not used, and counts the rows.
-fn say_unused(file: &str, ignored_columns: &[String], skipped_rows: usize) {
+/// Says what was found in the stamps of a log, names the columns that were not used, and counts the
+/// bad rows.
+fn say_unused(file: &str, ignored_columns: &[String], skipped_rows: usize, notes: &[String]) {
+    for note in notes {
+        say!("{file}: {note}");
+    }
     if !ignored_columns.is_empty() {
         say!("{file}: columns not used: {}", list_names(ignored_columns));
     }

@@ -30,17 +30,53 @@ pub(super) const LOOK_AHEAD: usize = 1;
 
 /// What was found in the stamps of a log.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct TimeNotes {
+pub(super) struct TimeNotes {
     /// Number of wraps of the counter, and the time after which it wraps \[s\].
-    pub wraps: usize,
+    pub(super) wraps: usize,
     /// Length of the counter \[s\].
-    pub wrap_s: f64,
+    pub(super) wrap_s: f64,
     /// Times at which the recorder began again, as they are counted on \[s\].
-    pub restarts_s: Vec<f64>,
+    pub(super) restarts_s: Vec<f64>,
     /// Rows that repeat the row before in every column that is read; left out.
-    pub repeated_rows: usize,
+    pub(super) repeated_rows: usize,
     /// Rows per burst, where the logger stamps whole bursts; 0 else.
-    pub rows_per_burst: usize,
+    pub(super) rows_per_burst: usize,
+}
+
+impl TimeNotes {
+    /// What was found, each in some words.
+    pub(super) fn in_words(&self) -> Vec<String> {
+        let mut words = Vec::new();
+        match self.wraps {
+            0 => (),
+            1 => words.push(format!(
+                "the time wraps once, at {} s, and goes on",
+                self.wrap_s
+            )),
+            wraps => words.push(format!(
+                "the time wraps {wraps} times, at {} s, and goes on",
+                self.wrap_s
+            )),
+        }
+        for time_s in &self.restarts_s {
+            words.push(format!(
+                "the recorder starts again: a run of its own, from {time_s:.1} s on"
+            ));
+        }
+        if self.rows_per_burst > 0 {
+            words.push(format!(
+                "rows are stamped in bursts of {}: each is spread over the time since the one before",
+                self.rows_per_burst
+            ));
+        }
+        if self.repeated_rows > 0 {
+            words.push(format!(
+                "{} rows repeat the row before and are left out",
+                self.repeated_rows
+            ));
+        }
+        words
+    }
 }
 
 /// What a stamp is.

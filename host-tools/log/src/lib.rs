@@ -45,7 +45,6 @@ mod time_types;
 mod unit;
 
 pub use chunk::Chunk;
-pub use clock::TimeNotes;
 pub use columns::{AxisColumn, ChannelColumns, Mapping, TempColumn};
 pub use error::LogError;
 pub use excerpt::list_names;

@@ -17,6 +17,8 @@ pub struct Log {
     pub ignored_columns: Vec<String>,
     /// Rows left out because skipping bad rows was asked for.
     pub skipped_rows: usize,
+    /// What was found in its stamps, each in some words.
+    pub notes: Vec<String>,
     /// Median time between rows \[s\].
     pub interval_s: f64,
 }

@@ -78,6 +78,7 @@ fn whole(
         time_s: rows.time_s,
         ignored_columns: stream.ignored().to_vec(),
         skipped_rows: stream.skipped_rows(),
+        notes: stream.notes(),
         interval_s,
     })
 }

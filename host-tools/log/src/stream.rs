@@ -5,7 +5,6 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::chunk::Chunk;
-use super::clock::TimeNotes;
 use super::columns::ChannelColumns;
 use super::layout::Layout;
 use super::order::TimeOrder;
@@ -113,8 +112,14 @@ impl LogStream {
     }
 
     /// What was found in the stamps of the rows so far.
-    pub fn time_notes(&self) -> TimeNotes {
+    #[cfg(test)]
+    pub(super) fn time_notes(&self) -> super::clock::TimeNotes {
         self.order.notes()
+    }
+
+    /// The same, each in some words.
+    pub fn notes(&self) -> Vec<String> {
+        self.order.notes().in_words()
     }
 
     /// Bytes of the file that were read so far.

@@ -13,7 +13,8 @@ use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::parser::parse_message_type;
 use proptest::prelude::*;
 
-use super::{Chunk, LogError, LogStream, ReadOptions, TimeNotes, read_log};
+use super::clock::TimeNotes;
+use super::{Chunk, LogError, LogStream, ReadOptions, read_log};
 
 /// Reads a log in parts of `size` bytes, or rows of a table.
 fn read_in_parts(path: &Path, size: usize, skip_bad_rows: bool) -> Result<Chunk, LogError> {

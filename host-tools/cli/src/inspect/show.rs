@@ -62,7 +62,7 @@ fn show_channel(channel: &ChannelSet) -> Result<()> {
         size_of::<Terms>() * channel.axes.len() * data.cells.len(),
         100.0 * channel.table_deviation,
     ))?;
-    // Coefficients by segment, and what the fit knows of them.
+    // Coefficients by segment, their uncertainty, coverage and choice.
     print(format_args!(
         "\nCoefficients of {} with T in degC and T' in degC/min",
         TERMS.join(", ")

@@ -50,6 +50,7 @@ pub struct LogSummary {
     pub(crate) sha256: String,
     pub(crate) rows: usize,
     pub(crate) skipped_rows: usize,
+    pub(crate) notes: Vec<String>,
     pub(crate) interval_s: f64,
     pub(crate) duration_s: f64,
     pub(crate) ignored_columns: Vec<String>,
@@ -65,6 +66,11 @@ impl LogSummary {
     /// Columns that were neither mapped nor recognised.
     pub fn ignored_columns(&self) -> &[String] {
         &self.ignored_columns
+    }
+
+    /// What was found in its stamps, each in some words.
+    pub fn notes(&self) -> &[String] {
+        &self.notes
     }
 
     /// Rows left out on reading because skipping bad rows was asked for.

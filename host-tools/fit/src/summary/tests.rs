@@ -113,6 +113,7 @@ fn simulated(seed: u64, rate_hz: f64) -> Log {
         }],
         ignored_columns: Vec::new(),
         skipped_rows: 0,
+        notes: Vec::new(),
         interval_s: 1.0 / rate_hz,
     };
     let mut raw = vec![Vec::new(); 3];

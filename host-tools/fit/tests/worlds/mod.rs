@@ -297,6 +297,7 @@ pub(crate) fn simulate(world: World, chamber_run: ChamberRun, seed: u64, run: u6
             }],
             ignored_columns: Vec::new(),
             skipped_rows: 0,
+            notes: Vec::new(),
             interval_s: INTERVAL_S,
         },
         truth,

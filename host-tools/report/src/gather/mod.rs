@@ -171,6 +171,7 @@ mod tests {
             }],
             ignored_columns: Vec::new(),
             skipped_rows: 0,
+            notes: Vec::new(),
             interval_s: 1.0,
         };
         fit(&[log], &FitOptions::new("S1", Model::Static))

@@ -42,19 +42,22 @@ pub(super) struct Rows<'a> {
 /// Passes a function to `feed` that runs the next rows of one log through the core.
 pub(super) fn with_compensators<R>(
     set: &CoefficientSet,
-    feed: impl FnOnce(&mut dyn FnMut(&Rows) -> Applied) -> R,
+    feed: impl FnOnce(&mut Step) -> R,
 ) -> Result<R, TableError> {
     let tables: Vec<&TableData> = set.channels.iter().map(|channel| &channel.table).collect();
     let (mut feed, mut result) = (Some(feed), None);
-    let mut once = |step: &mut dyn FnMut(&Rows) -> Applied| {
+    let mut once = |step: &mut Step| {
         result = feed.take().map(|feed| feed(step));
     };
     use_tables(&tables, Run(&mut once))??;
     Ok(result.expect("`Run` feeds once"))
 }
 
+/// Runs rows through the core.
+type Step<'s> = dyn FnMut(&Rows) -> Applied + 's;
+
 /// Without the type of what is fed, so that the compiler makes each shape of tables once.
-struct Run<'f>(&'f mut dyn FnMut(&mut dyn FnMut(&Rows) -> Applied));
+struct Run<'f>(&'f mut dyn FnMut(&mut Step));
 
 impl TableUse for Run<'_> {
     type Output = Result<(), TableError>;

@@ -118,6 +118,7 @@ fn simulate(unit: &Unit, profile: &Profile, seed: u64) -> Result<Log> {
         }],
         ignored_columns: Vec::new(),
         skipped_rows: 0,
+        notes: Vec::new(),
         interval_s: 1.0 / DEFAULT_RATE_HZ,
     })
 }
