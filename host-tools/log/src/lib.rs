@@ -13,6 +13,7 @@
 //! | `order`, `clock`, `bursts` | times that increase: counters that wrap, restarts, stamps of whole bursts |
 //! | `interval`, `stream`, `chunk` | rows in chunks, their usual interval |
 //! | `log`, `read` | a whole [`Log`] |
+//! | [`signals`] | signals that are not what they are said to be |
 //! | [`decimate`], [`median`], [`parallel`] | an evenly spaced sample of a series; medians; work on all cores |
 #![forbid(unsafe_code)]
 
@@ -37,6 +38,7 @@ mod pipeline;
 mod read;
 mod records;
 mod rows;
+pub mod signals;
 mod source;
 mod stream;
 #[cfg(test)]

@@ -1,0 +1,286 @@
+//! Faults of signals are found wherever and on whichever axis they are, and sound logs have none.
+
+use std::ops::Range;
+
+use tempco_log::signals::{Fault, Finding, Signals};
+
+/// Random numbers that are the same everywhere.
+struct Random(u64);
+
+impl Random {
+    fn uniform(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005);
+        self.0 = self.0.wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    /// About normal, with standard deviation 1.
+    fn normal(&mut self) -> f64 {
+        (0..12).map(|_| self.uniform()).sum::<f64>() - 6.0
+    }
+}
+
+/// A sound log: a soak, a ramp up, a soak, a ramp down, a soak.
+#[derive(Clone, Copy, Debug)]
+struct World {
+    rows: usize,
+    interval_s: f64,
+    temp_noise_c: f64,
+    temp_step_c: f64,
+    /// Noise of a row of an axis, of which the bias moves by about 1.
+    noise: f64,
+    step: f64,
+    /// Rows for which the temperature, and the axes, are held.
+    held: (usize, usize),
+}
+
+const FINE: World = World {
+    rows: 20_000,
+    interval_s: 0.2,
+    temp_noise_c: 0.02,
+    temp_step_c: 0.01,
+    noise: 0.05,
+    step: 1e-4,
+    held: (1, 1),
+};
+
+struct Columns {
+    time_s: Vec<f64>,
+    temp_c: Vec<f32>,
+    axes: Vec<Vec<f64>>,
+}
+
+fn rounded(value: f64, step: f64) -> f64 {
+    (value / step).round() * step
+}
+
+impl World {
+    fn log(&self, seed: u64) -> Columns {
+        let mut random = Random(seed);
+        let mut log = Columns {
+            time_s: Vec::new(),
+            temp_c: Vec::new(),
+            axes: vec![Vec::new(); 3],
+        };
+        for row in 0..self.rows {
+            let tenths = 10.0 * row as f64 / self.rows as f64;
+            let up = (tenths - 1.0).min(9.0 - tenths).clamp(0.0, 3.0);
+            let true_c = -10.0 + 20.0 * up;
+            log.time_s.push(row as f64 * self.interval_s);
+            let is_held = |rows: usize| row % rows != 0;
+            let read_c = true_c + self.temp_noise_c * random.normal();
+            log.temp_c.push(match is_held(self.held.0) {
+                true => log.temp_c[row - 1],
+                false => rounded(read_c, self.temp_step_c) as f32,
+            });
+            for (column, slope) in log.axes.iter_mut().zip([0.012, -0.016, 0.006]) {
+                let d = true_c - 25.0;
+                let value = 0.3 + slope * d + 1e-4 * d * d + self.noise * random.normal();
+                column.push(match is_held(self.held.1) {
+                    true => column[row - 1],
+                    false => rounded(value, self.step),
+                });
+            }
+        }
+        log
+    }
+}
+
+/// Findings of a log that comes in parts.
+fn find(log: &Columns, part: usize) -> Vec<Finding> {
+    let mut signals = Signals::new(log.axes.len());
+    for start in (0..log.time_s.len()).step_by(part) {
+        let rows = start..log.time_s.len().min(start + part);
+        let axes: Vec<&[f64]> = log.axes.iter().map(|axis| &axis[rows.clone()]).collect();
+        signals.take(&log.time_s[rows.clone()], &log.temp_c[rows], &axes);
+    }
+    signals.finish("temp_c", &["x", "y", "z"])
+}
+
+/// Logs with all kinds of noise, steps and rates that loggers write.
+fn sound() -> Vec<World> {
+    let mut worlds = Vec::new();
+    for (rows, interval_s) in [(1_500, 10.0), (20_000, 0.2), (60_000, 0.02), (60_000, 1.0)] {
+        let world = World {
+            rows,
+            interval_s,
+            ..FINE
+        };
+        for temp_noise_c in [0.0, 0.005, 0.02, 0.1, 0.5] {
+            for temp_step_c in [0.001, 0.0625, 0.5, 1.0] {
+                for (noise, step) in [(0.05, 1e-4), (0.5, 1e-3)] {
+                    worlds.push(World {
+                        temp_noise_c,
+                        temp_step_c,
+                        noise,
+                        step,
+                        ..world
+                    });
+                }
+            }
+        }
+        for noise in [0.0, 0.01, 0.03, 0.1, 0.3] {
+            // The noise in steps, from hardly any to four of them.
+            for in_steps in [0.02, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0, 4.0] {
+                let step = f64::max(noise, 0.01) / in_steps;
+                // An axis that stays within a step or two does stand still.
+                if step > 0.25 {
+                    continue;
+                }
+                worlds.push(World {
+                    noise,
+                    step,
+                    ..world
+                });
+            }
+        }
+        for held in [(10, 1), (100, 1), (1, 5), (50, 50)] {
+            worlds.push(World { held, ..world });
+        }
+    }
+    worlds
+}
+
+#[test]
+fn sound_logs_have_no_findings() {
+    let mut alarms = 0;
+    for (number, world) in sound().into_iter().enumerate() {
+        for seed in 11..16 {
+            let found = find(&world.log(seed * 1000 + number as u64), 4096);
+            if !found.is_empty() {
+                println!("{world:?} {seed}: {found:?}");
+                alarms += 1;
+            }
+        }
+    }
+    assert_eq!(alarms, 0);
+}
+
+/// Worlds in which a fault can be seen.
+const WORLDS: [World; 4] = [
+    FINE,
+    World {
+        rows: 60_000,
+        interval_s: 0.02,
+        ..FINE
+    },
+    World {
+        rows: 6_000,
+        interval_s: 2.0,
+        // One step of noise.
+        step: 0.05,
+        temp_noise_c: 0.0625,
+        temp_step_c: 0.0625,
+        ..FINE
+    },
+    World {
+        held: (10, 5),
+        rows: 40_000,
+        ..FINE
+    },
+];
+
+/// Sweeps share, place and axis of a fault; `spoil` puts it into the rows.
+fn sweep(fault: Fault, shares: &[f64], spoil: impl Fn(&mut Columns, usize, Range<usize>)) {
+    let mut missed = 0;
+    for (number, world) in WORLDS.into_iter().enumerate() {
+        for (share, place, axis) in shares.iter().flat_map(|&share| {
+            let places = [0.0, 0.13, 0.5, 0.77, 1.0].into_iter();
+            places.flat_map(move |place| (0..3).map(move |axis| (share, place, axis)))
+        }) {
+            let mut log = world.log(11 + number as u64 + (share * 1e6) as u64);
+            let count = (share * world.rows as f64) as usize;
+            let start = (place * (world.rows - count) as f64) as usize;
+            let rows = start..start + count;
+            spoil(&mut log, axis, rows.clone());
+            let found = find(&log, 1000);
+            let column = match fault {
+                Fault::FrozenTemperature => "temp_c",
+                _ => ["x", "y", "z"][axis],
+            };
+            let slack_s = 30.0 * world.interval_s;
+            let is_near = |a: f64, row: usize| (a - log.time_s[row]).abs() <= slack_s;
+            let is_it = |of: &Finding| {
+                of.fault == fault
+                    && of.column == column
+                    && (of.share - share).abs() < 0.1 * share
+                    && is_near(of.from_s, rows.start)
+                    && is_near(of.to_s, rows.end - 1)
+            };
+            if !found.iter().any(is_it) {
+                println!("{world:?} {share} {place} {axis}: {found:?}");
+                missed += 1;
+            }
+        }
+    }
+    assert_eq!(missed, 0);
+}
+
+#[test]
+fn full_scale_is_found() {
+    for rail in [250.1376, -250.1376] {
+        let shares = [0.03, 0.08, 0.27, 0.6];
+        sweep(Fault::FullScale, &shares, |log, axis, rows| {
+            log.axes[axis][rows].fill(rail);
+        });
+    }
+}
+
+/// An offset takes the axis to its stop: the values beyond are cut off.
+#[test]
+fn noise_that_is_cut_off_is_found() {
+    for cut in [0.02, 0.1, 0.3] {
+        for axis in 0..3 {
+            let mut log = FINE.log(11);
+            let mut sorted = log.axes[axis].clone();
+            sorted.sort_by(f64::total_cmp);
+            let stop = sorted[((1.0 - cut) * sorted.len() as f64) as usize];
+            for value in &mut log.axes[axis] {
+                *value = value.min(stop);
+            }
+            let found = find(&log, 1000);
+            let faults: Vec<Fault> = found.iter().map(|of| of.fault).collect();
+            assert!(faults.contains(&Fault::FullScale), "{cut}: {found:?}");
+        }
+    }
+}
+
+#[test]
+fn identical_values_are_found() {
+    let shares = [0.03, 0.1, 0.34, 0.6];
+    sweep(Fault::IdenticalValues, &shares, |log, axis, rows| {
+        let value = log.axes[axis][rows.start];
+        log.axes[axis][rows].fill(value);
+    });
+    let shares = [0.05, 0.5, 1.0];
+    sweep(Fault::IdenticalValues, &shares, |log, axis, rows| {
+        log.axes[axis][rows].fill(0.0);
+    });
+}
+
+/// A link that drops out now and then repeats its last value.
+#[test]
+fn many_short_runs_are_found_together() {
+    for world in WORLDS {
+        let mut log = world.log(11);
+        let rows = log.axes[1].len();
+        for start in (rows / 16..rows).step_by(rows / 8) {
+            let value = log.axes[1][start];
+            log.axes[1][start..start + rows / 40].fill(value);
+        }
+        let found = find(&log, 1000);
+        let is_it = |of: &Finding| {
+            of.fault == Fault::IdenticalValues && (of.share - 0.2).abs() < 0.03 && of.column == "y"
+        };
+        assert!(found.iter().any(is_it), "{world:?} {found:?}");
+    }
+}
+
+#[test]
+fn a_frozen_temperature_is_found() {
+    let shares = [0.05, 0.2, 0.73];
+    sweep(Fault::FrozenTemperature, &shares, |log, _, rows| {
+        let value = log.temp_c[rows.start];
+        log.temp_c[rows].fill(value);
+    });
+}
