@@ -7,7 +7,7 @@ use anyhow::{Error, Result};
 use tempco_evaluate::TAU_RANGE_S;
 use tempco_fit::summary::{LogSummary, Plan, summarise_file};
 use tempco_log::{
-    AxisColumn, COLUMN_UNITS, Log, Mapping, ReadOptions, TempColumn, list_names, parallel,
+    AxisColumn, COLUMN_UNITS, Log, Mapping, ReadOptions, Reading, TempColumn, list_names, parallel,
     read_log_observed,
 };
 use tempco_set::{CoefficientSet, SCALE_FACTORS_ARCSEC, check_folder, load_set, set_of_image};
@@ -123,11 +123,11 @@ impl LogArgs {
         let options = self.options(set_scale_factor);
         let log = read_log_observed(path, &options, |bytes| progress.add(bytes))?;
         drop(progress);
-        say_unused(
+        say_reading(
             &log.file,
+            &log.reading,
             &log.ignored_columns,
             log.skipped_rows,
-            &log.notes,
         );
         Ok(log)
     }
@@ -142,12 +142,8 @@ impl LogArgs {
         drop(progress);
         let logs = logs.into_iter().collect::<Result<Vec<_>, _>>()?;
         for log in &logs {
-            say_unused(
-                log.file(),
-                log.ignored_columns(),
-                log.skipped_rows(),
-                log.notes(),
-            );
+            let (reading, ignored) = (log.reading(), log.ignored_columns());
+            say_reading(log.file(), reading, ignored, log.skipped_rows());
         }
         Ok(logs)
     }
@@ -166,11 +162,10 @@ impl LogArgs {
     }
 }
 
-/// Says what was found in the stamps of a log, names the columns that were not used, and counts the
-/// bad rows.
-fn say_unused(file: &str, ignored_columns: &[String], skipped_rows: usize, notes: &[String]) {
-    for note in notes {
-        say!("{file}: {note}");
+/// Says how a log was read, names the columns that were not used, and counts the rows left out.
+fn say_reading(file: &str, reading: &Reading, ignored_columns: &[String], skipped_rows: usize) {
+    if !reading.is_plain() {
+        say!("{file}: read as: {reading}");
     }
     if !ignored_columns.is_empty() {
         say!("{file}: columns not used: {}", list_names(ignored_columns));

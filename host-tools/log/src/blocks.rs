@@ -8,7 +8,7 @@ use thiserror::Error;
 use super::records::{Records, lines};
 
 /// A row longer than this is no row of numbers.
-const LONGEST_ROW: usize = 16 << 20;
+pub(super) const LONGEST_ROW: usize = 16 << 20;
 
 /// Why there is no next block.
 #[derive(Debug, Error)]
@@ -28,8 +28,6 @@ pub(super) enum BlockError {
 #[derive(Debug)]
 pub(super) struct Block {
     bytes: Vec<u8>,
-    /// Where the rows start in `bytes`.
-    start: usize,
     /// Line number of the first row; the file starts with line 1.
     pub(super) first_line: u64,
     /// Whether no cell is quoted and every row ends with a line feed.
@@ -37,44 +35,20 @@ pub(super) struct Block {
 }
 
 impl Block {
-    fn new(bytes: Vec<u8>, first_line: u64) -> Self {
-        let mut block = Self {
+    fn new(mut bytes: Vec<u8>, first_line: u64) -> Self {
+        let is_plain = is_plain(&bytes);
+        if is_plain && bytes.last().is_some_and(|&byte| byte != b'\n') {
+            bytes.push(b'\n');
+        }
+        Self {
             bytes,
-            start: 0,
             first_line,
-            is_plain: false,
-        };
-        block.see_whether_plain();
-        block
-    }
-
-    fn see_whether_plain(&mut self) {
-        self.is_plain = is_plain(self.text());
-        if self.is_plain && self.text().last().is_some_and(|&byte| byte != b'\n') {
-            self.bytes.push(b'\n');
+            is_plain,
         }
     }
 
     pub(super) fn text(&self) -> &[u8] {
-        &self.bytes[self.start..]
-    }
-
-    /// Takes the first row, being the header, off the block; `None` if there is none.
-    pub(super) fn take_header(&mut self) -> Option<Vec<Vec<u8>>> {
-        if self.text().starts_with(b"\xef\xbb\xbf") {
-            self.start += 3;
-        }
-        if self.text().iter().all(u8::is_ascii_whitespace) {
-            return None;
-        }
-        let mut records = Records::new(self.text());
-        let (_, cells) = records.next()?;
-        let header = cells.into_iter().map(<[u8]>::to_vec).collect();
-        let (rest, passed) = (records.rest().len(), records.line());
-        self.first_line += u64::from(passed);
-        self.start = self.bytes.len() - rest;
-        self.see_whether_plain();
-        Some(header)
+        &self.bytes
     }
 }
 
@@ -87,6 +61,7 @@ fn is_plain(text: &[u8]) -> bool {
 #[derive(Debug)]
 pub(super) struct Blocks<R> {
     reader: R,
+    separator: u8,
     /// Bytes in a block, about.
     size: usize,
     /// The start of a row whose end was not yet read.
@@ -96,13 +71,15 @@ pub(super) struct Blocks<R> {
 }
 
 impl<R: Read> Blocks<R> {
-    /// Blocks of `size` bytes, or more where a row is longer.
-    pub(super) fn new(reader: R, size: usize) -> Self {
+    /// Blocks of `size` bytes, or more where a row is longer, from line `line` on. Quotes count after
+    /// this separator of cells.
+    pub(super) fn new(reader: R, size: usize, line: u64, separator: u8) -> Self {
         Self {
             reader,
+            separator,
             size,
             rest: Vec::new(),
-            line: 1,
+            line,
             has_ended: false,
         }
     }
@@ -124,7 +101,7 @@ impl<R: Read> Blocks<R> {
             if self.has_ended {
                 break;
             }
-            if let Some(end) = last_row_end(&bytes) {
+            if let Some(end) = last_row_end(&bytes, self.separator) {
                 self.rest.extend_from_slice(&bytes[end..]);
                 bytes.truncate(end);
                 break;
@@ -149,14 +126,14 @@ impl<R: Read> Blocks<R> {
 }
 
 /// Where the last row ends that is whole for certain.
-fn last_row_end(bytes: &[u8]) -> Option<usize> {
+fn last_row_end(bytes: &[u8], separator: u8) -> Option<usize> {
     // Up to a line feed before which nothing is quoted, every row is whole.
     if let Some(at) = memrchr(b'\n', bytes)
         && is_plain(&bytes[..=at])
     {
         return Some(at + 1);
     }
-    let mut records = Records::new(bytes);
+    let mut records = Records::new(bytes, separator);
     let mut last = None;
     while records.next().is_some() && !records.rest().is_empty() {
         last = Some(bytes.len() - records.rest().len());
@@ -169,7 +146,7 @@ mod tests {
     use super::*;
 
     fn texts(text: &str, size: usize) -> Vec<(u64, bool, String)> {
-        let mut blocks = Blocks::new(text.as_bytes(), size);
+        let mut blocks = Blocks::new(text.as_bytes(), size, 1, b',');
         let mut all = Vec::new();
         while let Some(block) = blocks.next().unwrap() {
             let text = String::from_utf8(block.text().to_vec()).unwrap();
@@ -203,22 +180,15 @@ mod tests {
         );
     }
 
-    /// What is left behind the header may be plain where the whole was not.
     #[test]
     fn a_plain_block_ends_with_a_line_feed() {
-        let mut block = Blocks::new("a,b\r1,2".as_bytes(), 100)
-            .next()
-            .unwrap()
-            .unwrap();
-        assert!(!block.is_plain);
-        assert_eq!(block.take_header().unwrap().len(), 2);
-        assert!(block.is_plain);
-        assert_eq!(block.text(), b"1,2\n");
+        assert_eq!(texts("1,2", 100), [(1, true, "1,2\n".to_owned())]);
+        assert_eq!(texts("1,\r2", 100), [(1, false, "1,\r2".to_owned())]);
     }
 
     #[test]
     fn a_row_without_end_is_refused_in_bounded_memory() {
-        let mut blocks = Blocks::new(io::repeat(b'1'), 1 << 20);
+        let mut blocks = Blocks::new(io::repeat(b'1'), 1 << 20, 1, b',');
         let error = blocks.next().unwrap_err();
         assert!(matches!(error, BlockError::Endless { line: 1 }));
         assert!(error.to_string().contains("16 MiB"), "{error}");

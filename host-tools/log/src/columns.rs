@@ -62,7 +62,10 @@ impl Columns {
     /// Finds the columns; the error is what is wrong with the header.
     pub(crate) fn find(header: &[String], mapping: &Mapping) -> Result<Self, String> {
         let mut names = HashSet::new();
-        if let Some(twice) = header.iter().find(|name| !names.insert(name.as_str())) {
+        if let Some(twice) = header
+            .iter()
+            .find(|name| !name.is_empty() && !names.insert(name.as_str()))
+        {
             return Err(format!("two columns are named `{}`", excerpt(twice)));
         }
         let time = find_time(header, mapping)?;
@@ -73,7 +76,7 @@ impl Columns {
             .chain(axes.iter().map(|(position, _)| *position))
             .collect();
         let ignored = (0..header.len())
-            .filter(|position| !used.contains(position))
+            .filter(|position| !used.contains(position) && !header[*position].is_empty())
             .map(|position| header[position].clone())
             .collect();
         Ok(Self {
@@ -97,7 +100,9 @@ fn find_time(header: &[String], mapping: &Mapping) -> Result<usize, String> {
     }
     position(header, "time_s").map_err(|_| {
         let lead = match header.iter().find(|name| name.starts_with("time")) {
-            _ if header.len() == 1 => "the columns must be separated by commas".to_owned(),
+            _ if header.len() == 1 => {
+                "one column: columns must be separated by `,`, `;`, `|`, tabs or blanks".to_owned()
+            }
             Some(other) => format!("`{}` is not in seconds by its name", excerpt(other)),
             None => "no time column".to_owned(),
         };
@@ -302,7 +307,7 @@ mod tests {
         for (header, part) in [
             ("time_ms,temp_c,x_dps", "`time_ms` is not in seconds"),
             ("t,temp_c,x_dps", "expected `time_s`"),
-            ("time_s;temp_c;x_dps", "separated by commas"),
+            ("time_s;temp_c;x_dps", "columns must be separated by"),
             ("time_s,x_dps", "no temperature column"),
             ("time_s,temp_k,x_dps", "`temp_k` is not in degC"),
             ("time_s,temp_c,x_rpm", "unknown unit `rpm`"),

@@ -145,6 +145,33 @@ pub(super) fn parse(cell: &[u8]) -> Option<f64> {
     value.is_finite().then_some(value)
 }
 
+/// Digits and signs of the longest number with a decimal comma that is read.
+const LONGEST: usize = 64;
+
+/// Reads a cell as a finite number, with a decimal comma instead of a point on request. Thousands in
+/// groups are no number.
+pub(super) fn parse_with(cell: &[u8], decimal_comma: bool) -> Option<f64> {
+    if !decimal_comma {
+        return parse(cell);
+    }
+    let mut text = [0; LONGEST];
+    let text = text.get_mut(..cell.len())?;
+    text.copy_from_slice(cell);
+    let mut has_comma = false;
+    for byte in &mut *text {
+        match byte {
+            b'.' => return None,
+            b',' if has_comma => return None,
+            b',' => {
+                has_comma = true;
+                *byte = b'.';
+            }
+            _ => {}
+        }
+    }
+    parse(text)
+}
+
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;

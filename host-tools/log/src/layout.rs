@@ -5,7 +5,11 @@ use std::path::{Path, PathBuf};
 use super::LogError;
 use super::chunk::Chunk;
 use super::columns::{Columns, Mapping};
-use super::excerpt::excerpt;
+use super::decimal;
+use super::dialect::{Header, Separator, is_clock};
+use super::encoding::Encoding;
+use super::excerpt::{excerpt, excerpt_of_bytes};
+use super::reading::Reading;
 
 /// Temperatures outside this range \[degC\] are taken for a wrong unit, not for a reading.
 const PLAUSIBLE_TEMP_C: std::ops::RangeInclusive<f64> = -100.0..=200.0;
@@ -48,9 +52,60 @@ pub(super) struct Layout {
     pub(super) columns: Columns,
     pub(super) slots: Vec<Slot>,
     pub(super) row_kind: RowKind,
+    pub(super) separator: Separator,
+    /// Whether numbers have a decimal comma.
+    pub(super) decimal_comma: bool,
+    pub(super) reading: Reading,
 }
 
 impl Layout {
+    /// Of a text.
+    ///
+    /// # Errors
+    /// Those of [`new`](Self::new); numbers of which some have a decimal comma and some a point.
+    pub(super) fn of_text(
+        path: &Path,
+        header: Header,
+        encoding: Encoding,
+        mapping: &Mapping,
+    ) -> Result<Self, LogError> {
+        let line = u64::from(header.line) + 1;
+        let mut notes = Vec::new();
+        let names = header.names.iter().map(|name| text_of(name));
+        let names = names.collect::<Option<Vec<String>>>();
+        let names = names.ok_or_else(|| LogError::line(path, line, NO_TEXT))?;
+        let refused = |message: String| LogError::line(path, line, message);
+        let mut layout = Self::new(path, names, mapping, RowKind::Line).map_err(refused)?;
+        if encoding != Encoding::Utf8 {
+            notes.push("UTF-16".to_owned());
+        } else if header
+            .names
+            .iter()
+            .any(|name| str::from_utf8(name).is_err())
+        {
+            notes.push("names in Latin-1".to_owned());
+        }
+        if header.separator != Separator::Comma {
+            notes.push(format!("cells separated by {}", header.separator.name()));
+        }
+        layout.separator = header.separator;
+        let positions: Vec<usize> = layout.slots.iter().map(|slot| slot.position).collect();
+        layout.decimal_comma = has_decimal_comma(&header, &positions)
+            .map_err(|(row, message)| LogError::line(path, line + row, message))?;
+        if layout.decimal_comma {
+            notes.push("decimal comma".to_owned());
+        }
+        if let Some(first) = header.preamble.first() {
+            notes.push(format!(
+                "{} lines before the header passed over, from `{}` on",
+                header.preamble.len(),
+                excerpt_of_bytes(first)
+            ));
+        }
+        layout.reading.notes = notes;
+        Ok(layout)
+    }
+
     /// Finds the columns of a header.
     ///
     /// # Errors
@@ -60,11 +115,8 @@ impl Layout {
         header: Vec<String>,
         mapping: &Mapping,
         row_kind: RowKind,
-    ) -> Result<Self, LogError> {
-        let columns = Columns::find(&header, mapping).map_err(|message| match row_kind {
-            RowKind::Line => LogError::line(path, 1, message),
-            RowKind::Row => LogError::file(path, message),
-        })?;
+    ) -> Result<Self, String> {
+        let columns = Columns::find(&header, mapping)?;
         let mut slots = vec![Slot {
             kind: Kind::Time,
             position: columns.time,
@@ -89,6 +141,9 @@ impl Layout {
             columns,
             slots,
             row_kind,
+            separator: Separator::Comma,
+            decimal_comma: false,
+            reading: Reading::default(),
         })
     }
 
@@ -154,4 +209,69 @@ impl Layout {
             },
         }
     }
+}
+
+const NO_TEXT: &str = "the header is no text: expected column names such as `time_s,temp_c,x_dph`";
+
+/// A name as text. Bytes that are not UTF-8 are Latin-1, in which spreadsheets write `°`.
+fn text_of(name: &[u8]) -> Option<String> {
+    let text = match str::from_utf8(name) {
+        Ok(text) => text.to_owned(),
+        Err(_) => name.iter().map(|&byte| char::from(byte)).collect(),
+    };
+    let is_text = !text
+        .chars()
+        .any(|letter| letter.is_control() && letter != '\t' && letter != '\n' && letter != '\r');
+    is_text.then(|| text.trim().to_owned())
+}
+
+/// Whether the numbers of the first rows, in the columns that are read, have a decimal comma.
+///
+/// # Errors
+/// Two signs, or commas that may stand between thousands; with the place of the row.
+fn has_decimal_comma(header: &Header, positions: &[usize]) -> Result<bool, (u64, String)> {
+    let (mut point, mut comma, mut is_certain) = (None, None, false);
+    for (row, cells) in header.sample.iter().enumerate() {
+        for cell in positions.iter().filter_map(|&position| cells.get(position)) {
+            if is_clock(cell) {
+                continue;
+            }
+            if decimal::parse(cell).is_some() && cell.contains(&b'.') {
+                point.get_or_insert(cell);
+            } else if decimal::parse_with(cell, true).is_some() && cell.contains(&b',') {
+                comma.get_or_insert((row as u64 + 1, cell));
+                is_certain |= !may_be_thousands(cell);
+            }
+        }
+    }
+    let Some((row, cell)) = comma else {
+        return Ok(false);
+    };
+    let cell = excerpt_of_bytes(cell);
+    match point {
+        Some(point) => Err((
+            row,
+            format!(
+                "`{cell}` has a decimal comma and `{}` a decimal point: expected one of them",
+                excerpt_of_bytes(point)
+            ),
+        )),
+        None if !is_certain => Err((
+            row,
+            format!(
+                "`{cell}` may have a decimal comma, or a comma between thousands: expected a \
+                 decimal point"
+            ),
+        )),
+        None => Ok(true),
+    }
+}
+
+/// Whether a comma may stand before three digits of a larger number: `1,234`, not `0,123`.
+fn may_be_thousands(cell: &[u8]) -> bool {
+    let cell = cell.strip_prefix(b"-").unwrap_or(cell);
+    let comma = cell.iter().position(|&byte| byte == b',').unwrap_or(0);
+    let (whole, decimals) = (&cell[..comma], &cell[comma + 1..]);
+    let is_number = |text: &[u8]| text.iter().all(u8::is_ascii_digit);
+    (1..=3).contains(&whole.len()) && whole[0] != b'0' && decimals.len() == 3 && is_number(decimals)
 }

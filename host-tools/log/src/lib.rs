@@ -1,18 +1,19 @@
 //! Chamber logs: typed, checked, in units.
 //!
 //! ```text
-//! source (hash, unpack) -> blocks -> rows -> order -> stream -+-> read (the whole log)
+//! source (hash, unpack) -> head -> blocks -> rows -> order -> stream -+-> read (the whole log)
 //!                   parquet ----------------^         +-> chunks, for whoever reads in one pass
 //! ```
 //!
 //! | modules | what they do |
 //! | --- | --- |
+//! | `encoding`, `head`, `dialect` | text: its encoding, separator and header |
 //! | `source`, `blocks`, `records`, `decimal`, `rows`, `pipeline` | text: unpacked, cut into blocks, parsed on all cores |
 //! | `parquet`, `time_types`, `pages` | tables of Parquet, columns of times, pages of bounded size |
 //! | `columns`, `layout`, [`AxisUnit`] | which column is what, in which unit |
 //! | `order`, `clock`, `bursts` | times that increase: counters that wrap, restarts, stamps of whole bursts |
 //! | `interval`, `stream`, `chunk` | rows in chunks, their usual interval |
-//! | `log`, `read` | a whole [`Log`] |
+//! | `log`, `read`, `reading` | a whole [`Log`], and how it was read |
 //! | [`signals`] | signals that are not what they are said to be |
 //! | [`decimate`], [`median`], [`parallel`] | an evenly spaced sample of a series; medians; work on all cores |
 #![forbid(unsafe_code)]
@@ -24,18 +25,25 @@ mod clock;
 mod columns;
 mod decimal;
 pub mod decimate;
+mod dialect;
+#[cfg(test)]
+mod dialect_tests;
+mod encoding;
 mod error;
 mod excerpt;
+mod head;
 mod interval;
 mod layout;
 mod log;
 pub mod median;
+mod names;
 mod order;
 mod pages;
 pub mod parallel;
 mod parquet;
 mod pipeline;
 mod read;
+mod reading;
 mod records;
 mod rows;
 pub mod signals;
@@ -53,6 +61,7 @@ pub use excerpt::list_names;
 pub use interval::Intervals;
 pub use log::{Axis, Channel, Log};
 pub use read::{ReadOptions, read_log, read_log_observed};
+pub use reading::Reading;
 pub use source::hex;
 pub use stream::LogStream;
 pub use unit::{AxisUnit, COLUMN_UNITS, ColumnUnit};

@@ -1,5 +1,6 @@
 //! A log in memory.
 
+use crate::reading::Reading;
 use crate::unit::AxisUnit;
 
 /// A log whose every value was checked on reading.
@@ -13,12 +14,12 @@ pub struct Log {
     pub time_s: Vec<f64>,
     /// The temperature channels: one for all axes, or one per group of axes.
     pub channels: Vec<Channel>,
+    /// How it was read, where it is not a plain log.
+    pub reading: Reading,
     /// Columns that were neither mapped nor recognised.
     pub ignored_columns: Vec<String>,
     /// Rows left out because skipping bad rows was asked for.
     pub skipped_rows: usize,
-    /// What was found in its stamps, each in some words.
-    pub notes: Vec<String>,
     /// Median time between rows \[s\].
     pub interval_s: f64,
 }

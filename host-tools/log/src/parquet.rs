@@ -71,7 +71,8 @@ impl ParquetRows {
         if let (None, Some((_, name)), None) = (&mapping.time, timed.next(), timed.next()) {
             mapping.time = Some(name.clone());
         }
-        let layout = Layout::new(path, header, &mapping, RowKind::Row)?;
+        let layout = Layout::new(path, header, &mapping, RowKind::Row)
+            .map_err(|message| LogError::file(path, message))?;
         let time = types[layout.columns.time];
         for slot in &layout.slots {
             let column = schema.column(slot.position);

@@ -12,10 +12,11 @@ use std::thread;
 use super::LogError;
 use super::blocks::{Block, BlockError, Blocks};
 use super::columns::Mapping;
-use super::layout::{Layout, RowKind};
+use super::head::{Body, HeadError, read_head};
+use super::layout::Layout;
 use super::order::Parsed;
 use super::rows;
-use super::source::{Format, Source, Text};
+use super::source::{Format, Source};
 
 /// Blocks under way at a time.
 const DEPTH: usize = 4;
@@ -48,17 +49,18 @@ impl Pipeline {
     ) -> Result<(Self, Arc<Layout>), LogError> {
         let format = source.format;
         let text = source.text().map_err(|cause| format.error(path, cause))?;
-        let mut blocks = Blocks::new(text, block_bytes);
-        let mut first = blocks.next().map_err(|cause| failed(path, format, cause))?;
-        let header = first.as_mut().and_then(Block::take_header);
-        let (Some(first), Some(header)) = (first, header) else {
-            return Err(LogError::file(
+        let (header, body) = read_head(text).map_err(|error| match error {
+            HeadError::Read(cause) => failed(path, format, cause),
+            HeadError::Doubtful(message) => LogError::file(path, message),
+            HeadError::Empty => LogError::file(
                 path,
                 "the file is empty: expected a header such as `time_s,temp_c,x_dph` and rows",
-            ));
-        };
-        let header = header_names(path, header)?;
-        let layout = Arc::new(Layout::new(path, header, mapping, RowKind::Line)?);
+            ),
+        })?;
+        let line = u64::from(header.lines) + 1;
+        let encoding = body.get_ref().1.encoding;
+        let blocks = Blocks::new(body, block_bytes, line, header.separator.record_byte());
+        let layout = Arc::new(Layout::of_text(path, header, encoding, mapping)?);
 
         let (items_in, items) = sync_channel(DEPTH);
         let reader = BlockReader {
@@ -67,7 +69,7 @@ impl Pipeline {
             items: items_in,
             jobs: start_parsers(&layout, skip_bad_rows),
         };
-        thread::spawn(move || reader.run(first, blocks));
+        thread::spawn(move || reader.run(blocks));
         Ok((Self { items }, layout))
     }
 
@@ -89,20 +91,6 @@ fn failed(path: &Path, format: Format, cause: BlockError) -> LogError {
         BlockError::Stream(cause) => format.error(path, cause),
         BlockError::Endless { line } => LogError::line(path, line, cause.to_string()),
     }
-}
-
-fn header_names(path: &Path, header: Vec<Vec<u8>>) -> Result<Vec<String>, LogError> {
-    let names = header
-        .into_iter()
-        .map(|name| match String::from_utf8(name) {
-            Ok(name) if !name.contains('\0') => Ok(name.trim().to_owned()),
-            _ => Err(LogError::line(
-                path,
-                1,
-                "the header is not UTF-8 text: expected column names such as `time_s,temp_c,x_dph`",
-            )),
-        });
-    names.collect()
 }
 
 type Job = (Block, Sender<Parsed>);
@@ -134,24 +122,24 @@ struct BlockReader {
 }
 
 impl BlockReader {
-    fn run(self, first: Block, mut blocks: Blocks<Text>) {
-        let mut next = Some(first);
-        while let Some(block) = next {
-            let (parsed_in, parsed) = channel();
-            let is_wanted = self.items.send(Item::Parsing(parsed)).is_ok();
-            if !is_wanted || self.jobs.send((block, parsed_in)).is_err() {
-                return;
-            }
-            next = match blocks.next() {
-                Ok(next) => next,
+    fn run(self, mut blocks: Blocks<Body>) {
+        loop {
+            let block = match blocks.next() {
+                Ok(Some(block)) => block,
+                Ok(None) => break,
                 Err(cause) => {
                     let error = failed(&self.path, self.format, cause);
                     let _ = self.items.send(Item::Ended(Err(error)));
                     return;
                 }
             };
+            let (parsed_in, parsed) = channel();
+            let is_wanted = self.items.send(Item::Parsing(parsed)).is_ok();
+            if !is_wanted || self.jobs.send((block, parsed_in)).is_err() {
+                return;
+            }
         }
-        let digest = blocks.into_inner().sha256();
+        let digest = blocks.into_inner().into_inner().1.into_inner().sha256();
         let digest = digest.map_err(|cause| self.format.error(&self.path, cause));
         // Nobody waits any more if a row before was refused.
         let _ = self.items.send(Item::Ended(digest));

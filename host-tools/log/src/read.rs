@@ -76,9 +76,9 @@ fn whole(
         sha256: stream.sha256().unwrap_or_default().to_owned(),
         channels: channels(stream, &mut rows, interval_s, options.scale_factor_arcsec),
         time_s: rows.time_s,
+        reading: stream.reading(),
         ignored_columns: stream.ignored().to_vec(),
         skipped_rows: stream.skipped_rows(),
-        notes: stream.notes(),
         interval_s,
     })
 }

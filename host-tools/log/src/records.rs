@@ -1,6 +1,6 @@
 //! Records of text with quotes, by the rules of RFC 4180.
 
-use csv_core::{ReadRecordResult, Reader};
+use csv_core::{ReadRecordResult, Reader, ReaderBuilder};
 use memchr::memchr_iter;
 
 /// The most cells of a record; a longer one counts as this long.
@@ -8,6 +8,7 @@ pub(super) const MOST_CELLS: usize = 1 << 16;
 
 /// Goes through the records of a text; blank lines are none.
 pub(super) struct Records<'a> {
+    reader: Reader,
     rest: &'a [u8],
     /// Lines before `rest`.
     line: u32,
@@ -16,8 +17,10 @@ pub(super) struct Records<'a> {
 }
 
 impl<'a> Records<'a> {
-    pub(super) fn new(text: &'a [u8]) -> Self {
+    /// Records whose cells are separated by a byte.
+    pub(super) fn new(text: &'a [u8], separator: u8) -> Self {
         Self {
+            reader: ReaderBuilder::new().delimiter(separator).build(),
             rest: text,
             line: 0,
             unquoted: vec![0; 256],
@@ -32,10 +35,10 @@ impl<'a> Records<'a> {
         if self.rest.is_empty() {
             return None;
         }
-        let mut reader = Reader::new();
+        self.reader.reset();
         let (mut input, mut written, mut cells) = (0, 0, 0);
         loop {
-            let (result, read, wrote, ended) = reader.read_record(
+            let (result, read, wrote, ended) = self.reader.read_record(
                 &self.rest[input..],
                 &mut self.unquoted[written..],
                 &mut self.ends[cells..],

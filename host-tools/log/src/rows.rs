@@ -5,6 +5,7 @@ use memchr::{memchr_iter, memchr2};
 use super::LogError;
 use super::blocks::Block;
 use super::decimal;
+use super::dialect::{Separator, split_blanks};
 use super::excerpt::excerpt_of_bytes;
 use super::layout::{Layout, Slot};
 use super::order::{Bad, Parsed};
@@ -29,9 +30,14 @@ pub(super) fn parse(layout: &Layout, block: &Block, skip_bad_rows: bool) -> Pars
             bad: None,
         },
     };
-    match block.is_plain {
-        true => rows.plain(block.text()),
-        false => rows.quoted(block.text()),
+    let text = block.text();
+    match (block.is_plain, layout.decimal_comma, layout.separator) {
+        (false, ..) => rows.quoted(text),
+        (_, true, _) | (.., Separator::Blanks) => rows.unusual(text),
+        (.., Separator::Comma) => rows.plain::<b','>(text),
+        (.., Separator::Semicolon) => rows.plain::<b';'>(text),
+        (.., Separator::Tab) => rows.plain::<b'\t'>(text),
+        (.., Separator::Bar) => rows.plain::<b'|'>(text),
     }
     rows.parsed
 }
@@ -74,32 +80,52 @@ impl Rows<'_> {
     ///
     /// The line feeds are looked for ahead: where a row starts does not wait for the numbers of the
     /// row before, so that the processor works on both at a time.
-    fn plain(&mut self, text: &[u8]) {
+    fn plain<const SEPARATOR: u8>(&mut self, text: &[u8]) {
         let (mut start, mut line) = (0, 0);
+        let mut cells = Vec::new();
         for end in memchr_iter(b'\n', text) {
-            if self.row(text, start) == Some(end) {
+            if self.row::<SEPARATOR>(text, start) == Some(end) {
                 self.keep(line);
-            } else {
-                // Blank, bad or unusual: looked at cell by cell.
-                let row = &text[start..end];
-                let row = row.strip_suffix(b"\r").unwrap_or(row);
-                if !row.is_empty() {
-                    let cells = row.split(|&byte| byte == b',').take(MOST_CELLS);
-                    let cells: Vec<&[u8]> = cells.collect();
-                    if !self.cells(line, &cells) {
-                        return;
-                    }
-                }
+            } else if !self.divided(line, &text[start..end], &mut cells) {
+                return;
             }
             start = end + 1;
             line += 1;
         }
     }
 
+    /// The same for rows that are looked at cell by cell.
+    fn unusual(&mut self, text: &[u8]) {
+        let mut cells = Vec::new();
+        for (line, row) in text.split(|&byte| byte == b'\n').enumerate() {
+            if !self.divided(line as u32, row, &mut cells) {
+                return;
+            }
+        }
+    }
+
+    /// Takes a row that is blank, bad or unusual; returns whether to go on.
+    fn divided<'a>(&mut self, line: u32, row: &'a [u8], cells: &mut Vec<&'a [u8]>) -> bool {
+        let row = row.strip_suffix(b"\r").unwrap_or(row);
+        if row.is_empty() {
+            return true;
+        }
+        cells.clear();
+        match self.layout.separator.byte() {
+            Some(separator) => cells.extend(row.split(|&byte| byte == separator).take(MOST_CELLS)),
+            None => cells.extend(split_blanks(row).take(MOST_CELLS)),
+        }
+        self.cells(line, cells)
+    }
+
     /// Rows of which some have quotes, or are ended by a carriage return alone.
     fn quoted(&mut self, text: &[u8]) {
-        let mut records = Records::new(text);
-        while let Some((line, cells)) = records.next() {
+        let separator = self.layout.separator;
+        let mut records = Records::new(text, separator.record_byte());
+        while let Some((line, mut cells)) = records.next() {
+            if separator == Separator::Blanks {
+                cells = cells.into_iter().flat_map(split_blanks).collect();
+            }
             if !self.cells(line, &cells) {
                 return;
             }
@@ -109,13 +135,13 @@ impl Rows<'_> {
     /// Reads a good row at `at` of `text` into `values` and returns where its line feed is; `None`
     /// if there is none.
     #[inline]
-    fn row(&mut self, text: &[u8], mut at: usize) -> Option<usize> {
+    fn row<const SEPARATOR: u8>(&mut self, text: &[u8], mut at: usize) -> Option<usize> {
         let last = self.plan.len() - 1;
         for (position, column) in self.plan.iter().enumerate() {
             if column.slots.is_empty() {
-                at += memchr2(b',', b'\n', &text[at..])?;
+                at += memchr2(SEPARATOR, b'\n', &text[at..])?;
             } else {
-                let (value, end) = cell(text, at)?;
+                let (value, end) = cell::<SEPARATOR>(text, at)?;
                 at = end;
                 if value < column.limits.0 || value > column.limits.1 {
                     return None;
@@ -124,7 +150,7 @@ impl Rows<'_> {
                     self.values[slot] = value;
                 }
             }
-            let separator = if position == last { b'\n' } else { b',' };
+            let separator = if position == last { b'\n' } else { SEPARATOR };
             if text[at] != separator {
                 return None;
             }
@@ -174,7 +200,7 @@ impl Rows<'_> {
         }
         for (value, slot) in self.values.iter_mut().zip(&layout.slots) {
             let cell = cells[slot.position].trim_ascii();
-            let objection = match decimal::parse(cell) {
+            let objection = match decimal::parse_with(cell, layout.decimal_comma) {
                 Some(parsed) => {
                     *value = parsed;
                     Layout::objection(slot.kind, parsed)
@@ -192,20 +218,20 @@ impl Rows<'_> {
 
 /// Reads the cell at `at` of `text`; returns its value and where it ends.
 #[inline(always)]
-fn cell(text: &[u8], at: usize) -> Option<(f64, usize)> {
+fn cell<const SEPARATOR: u8>(text: &[u8], at: usize) -> Option<(f64, usize)> {
     if let Some((value, end)) = decimal::short(text, at)
-        && matches!(text.get(end), Some(b',' | b'\n'))
+        && matches!(text.get(end), Some(&byte) if byte == SEPARATOR || byte == b'\n')
     {
         return Some((value, end));
     }
-    unusual_cell(text, at)
+    unusual_cell::<SEPARATOR>(text, at)
 }
 
 /// A cell with blanks, an exponent, many digits, before a carriage return, or near the ends of the
 /// text.
 #[cold]
-fn unusual_cell(text: &[u8], at: usize) -> Option<(f64, usize)> {
-    let end = at + memchr2(b',', b'\n', &text[at..])?;
+fn unusual_cell<const SEPARATOR: u8>(text: &[u8], at: usize) -> Option<(f64, usize)> {
+    let end = at + memchr2(SEPARATOR, b'\n', &text[at..])?;
     let cell = text[at..end].trim_ascii();
     let value = match decimal::prefix(cell) {
         Some((value, length)) if length == cell.len() => value,

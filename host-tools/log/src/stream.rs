@@ -11,7 +11,7 @@ use super::order::TimeOrder;
 use super::parquet::ParquetRows;
 use super::pipeline::Pipeline;
 use super::source::{Format, Source};
-use super::{LogError, ReadOptions};
+use super::{LogError, ReadOptions, Reading};
 
 /// Text parsed at a time: few enough for the cache of a core, enough to make handing over cheap.
 const BLOCK_BYTES: usize = 1 << 18;
@@ -117,11 +117,6 @@ impl LogStream {
         self.order.notes()
     }
 
-    /// The same, each in some words.
-    pub fn notes(&self) -> Vec<String> {
-        self.order.notes().in_words()
-    }
-
     /// Bytes of the file that were read so far.
     pub fn bytes_read(&self) -> u64 {
         self.bytes_read.load(Ordering::Relaxed)
@@ -145,6 +140,14 @@ impl LogStream {
     /// Columns that were neither mapped nor recognised.
     pub fn ignored(&self) -> &[String] {
         &self.layout.columns.ignored
+    }
+
+    /// How the log is read.
+    pub fn reading(&self) -> Reading {
+        let notes = self.layout.reading.notes.iter().cloned();
+        Reading {
+            notes: notes.chain(self.order.notes().in_words()).collect(),
+        }
     }
 
     /// A chunk to which others of this log can be appended.

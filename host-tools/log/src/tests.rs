@@ -230,7 +230,7 @@ fn long_cells_names_and_headers_are_cut_in_messages() {
         (format!("{long},{long}\n"), ":1: two columns are named `xxx"),
         (
             format!("time_{long}\n"),
-            ":1: the columns must be separated by commas",
+            ":1: one column: columns must be separated by",
         ),
         (
             format!("time_{long},a\n"),
@@ -312,14 +312,11 @@ fn what_is_cut_off_or_spoilt_is_refused() {
             "{error}"
         );
     }
-    let path = write(folder.path(), "utf16", b"\xff\xfet\0i\0m\0e\0\n\0");
+    let path = write(folder.path(), "bytes", b"\x01\xfe,\x02\n1,2\n");
     let error = read_log(&path, &ReadOptions::default())
         .unwrap_err()
         .to_string();
-    assert!(
-        error.contains(":1: the header is not UTF-8 text"),
-        "{error}"
-    );
+    assert!(error.contains(":1: the header is no text"), "{error}");
 }
 
 #[test]

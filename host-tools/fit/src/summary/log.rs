@@ -76,9 +76,9 @@ pub fn summarise_file(
         sha256: stream.sha256().unwrap_or_default().to_owned(),
         rows,
         skipped_rows: stream.skipped_rows(),
-        notes: stream.notes(),
         interval_s,
         duration_s: last_s - first_s,
+        reading: stream.reading(),
         ignored_columns: stream.ignored().to_vec(),
         channels,
     })
@@ -111,9 +111,9 @@ pub fn summarise_log(log: &Log, plan: &Plan) -> LogSummary {
         sha256: log.sha256.clone(),
         rows: log.rows(),
         skipped_rows: log.skipped_rows,
-        notes: log.notes.clone(),
         interval_s: log.interval_s,
         duration_s: last_s - first_s,
+        reading: log.reading.clone(),
         ignored_columns: log.ignored_columns.clone(),
         channels: channels.collect(),
     }

@@ -27,7 +27,7 @@ use grid::Sample;
 pub use log::{summarise_file, summarise_log};
 
 use tempco::{Interval, Thermal, ThermalPoint, ThermalState};
-use tempco_log::AxisUnit;
+use tempco_log::{AxisUnit, Reading};
 use tempco_set::Stretch;
 
 /// What must be known before a log is summarised; see [`FitOptions::plan`](crate::FitOptions::plan).
@@ -50,9 +50,9 @@ pub struct LogSummary {
     pub(crate) sha256: String,
     pub(crate) rows: usize,
     pub(crate) skipped_rows: usize,
-    pub(crate) notes: Vec<String>,
     pub(crate) interval_s: f64,
     pub(crate) duration_s: f64,
+    pub(crate) reading: Reading,
     pub(crate) ignored_columns: Vec<String>,
     pub(crate) channels: Vec<ChannelSummary>,
 }
@@ -63,14 +63,14 @@ impl LogSummary {
         &self.file
     }
 
+    /// How it was read.
+    pub fn reading(&self) -> &Reading {
+        &self.reading
+    }
+
     /// Columns that were neither mapped nor recognised.
     pub fn ignored_columns(&self) -> &[String] {
         &self.ignored_columns
-    }
-
-    /// What was found in its stamps, each in some words.
-    pub fn notes(&self) -> &[String] {
-        &self.notes
     }
 
     /// Rows left out on reading because skipping bad rows was asked for.

@@ -111,9 +111,9 @@ fn simulated(seed: u64, rate_hz: f64) -> Log {
             temp_c: Vec::new(),
             axes: Vec::new(),
         }],
+        reading: tempco_log::Reading::default(),
         ignored_columns: Vec::new(),
         skipped_rows: 0,
-        notes: Vec::new(),
         interval_s: 1.0 / rate_hz,
     };
     let mut raw = vec![Vec::new(); 3];

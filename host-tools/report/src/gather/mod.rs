@@ -169,9 +169,9 @@ mod tests {
                     raw,
                 }],
             }],
+            reading: tempco_log::Reading::default(),
             ignored_columns: Vec::new(),
             skipped_rows: 0,
-            notes: Vec::new(),
             interval_s: 1.0,
         };
         fit(&[log], &FitOptions::new("S1", Model::Static))

@@ -116,9 +116,9 @@ fn simulate(unit: &Unit, profile: &Profile, seed: u64) -> Result<Log> {
             temp_c,
             axes: axes.collect(),
         }],
+        reading: tempco_log::Reading::default(),
         ignored_columns: Vec::new(),
         skipped_rows: 0,
-        notes: Vec::new(),
         interval_s: 1.0 / DEFAULT_RATE_HZ,
     })
 }
