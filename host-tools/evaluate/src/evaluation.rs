@@ -4,6 +4,7 @@ use std::ops::RangeInclusive;
 
 use serde::Serialize;
 use tempco::ThermalPoint;
+use tempco_log::signals::{self, Finding};
 use tempco_log::{AxisUnit, Log};
 use tempco_set::run::{Applied, ApplyError, apply};
 use tempco_set::{ChannelSet, CoefficientSet, CoefficientSigmas, SegmentSet};
@@ -54,6 +55,9 @@ pub struct JudgedLog {
     pub rows: usize,
     /// Whether the set was fitted to it.
     pub role: Role,
+    /// What is wrong with its signals.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub findings: Vec<Finding>,
 }
 
 /// What a log is to a set.
@@ -183,6 +187,13 @@ pub fn evaluate(
 }
 
 fn judged_log(set: &CoefficientSet, log: &Log) -> JudgedLog {
+    // Other axes of the log are no matter of the set.
+    let is_other = |column: &str| {
+        let mut axes = log.channels.iter().flat_map(|channel| &channel.axes);
+        axes.any(|axis| axis.name == column) && !set.axes().any(|(_, axis)| axis.name == column)
+    };
+    let mut findings = signals::find(log);
+    findings.retain(|finding| !is_other(&finding.column));
     let mut inputs = set.provenance.inputs.iter();
     JudgedLog {
         file: log.file.clone(),
@@ -195,6 +206,7 @@ fn judged_log(set: &CoefficientSet, log: &Log) -> JudgedLog {
         } else {
             Role::Verification
         },
+        findings,
     }
 }
 

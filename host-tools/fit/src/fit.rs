@@ -184,6 +184,7 @@ fn input(log: &LogSummary) -> Input {
         unusable_rows: channels.map(|channel| channel.unusable_rows).sum(),
         interval_s: log.interval_s,
         duration_s: log.duration_s,
+        findings: log.findings.clone(),
     }
 }
 

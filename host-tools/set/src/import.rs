@@ -125,6 +125,7 @@ pub(crate) fn static_coefficients(path: &Path, text: &str) -> Result<Coefficient
         unusable_rows: 0,
         interval_s: 0.0,
         duration_s: 0.0,
+        findings: Vec::new(),
     };
     let set = build::set(
         "imported".to_owned(),

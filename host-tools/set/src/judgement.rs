@@ -76,6 +76,24 @@ codes! {
         NoBetterThanNone = "no_better_than_none":
             "On an axis, the bias stability or the RMS error with compensation is not below the one without.",
             "Do not use the set. Check that log and unit belong together, then calibrate again.";
+        FullScale = "full_scale":
+            "An axis is at its largest or smallest value again and again.",
+            "Leave the stretch out with `--exclude`, or calibrate with a wider range or less motion.";
+        IdenticalValues = "identical_values":
+            "An axis repeats a value, bit by bit, for much longer than it usually does.",
+            "Leave the stretch out with `--exclude`, or the axis. Look for a cut connection.";
+        FrozenTemperature = "frozen_temperature":
+            "The temperature stands still, bit by bit, although the temperature of the unit does not.",
+            "Leave the stretch out with `--exclude`, or check the sensor and calibrate again.";
+        RunningTotal = "running_total":
+            "An axis is a running total.",
+            "Log the difference from row to row, and fit again.";
+        TemperatureJump = "temperature_jump":
+            "The temperature changes faster than a unit can.",
+            "Check how the sensor's value is converted: width of the integer, sign, unit.";
+        AlternatingSources = "alternating_sources":
+            "Rows of several sources take turns.",
+            "Write a log for each source, and fit each alone.";
     }
 }
 
@@ -145,16 +163,23 @@ codes! {
         FlaggedRows = "flagged_rows":
             "More than 1 % of the rows have a flag in their status other than `settling`.",
             "The log leaves the calibrated range. Calibrate over a wider range.";
+        StandingTemperature = "standing_temperature":
+            "The temperature stands still, bit by bit, and it is not clear whether the unit's does.",
+            "Check the sensor. If it hung, leave the stretch out with `--exclude`.";
+        Fahrenheit = "fahrenheit":
+            "The temperatures look like degrees Fahrenheit.",
+            "If they are, convert them to degC and fit again.";
     }
 }
 
 /// One reason to reject a set.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Rejection {
     /// Its kind.
     pub code: RejectionCode,
     /// The axis, if it is of one.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub axis: Option<String>,
     /// What was found, for a person.
     pub message: String,

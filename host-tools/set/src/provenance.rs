@@ -1,8 +1,9 @@
 //! Where a set comes from, and what it was judged on.
 
 use serde::{Deserialize, Serialize};
+use tempco_log::signals::Finding;
 
-use crate::Warning;
+use crate::{Rejection, Warning};
 
 /// The verdict of a verification log on a set.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -16,10 +17,13 @@ pub struct SignOff {
     pub judged: String,
     /// Averaging time of the bias stabilities that were compared \[s\].
     pub tau_s: f64,
-    /// Whether the compensation is better than none on every axis.
+    /// Whether the compensation is better than none on every axis, and nothing else rejects the set.
     pub accepted: bool,
     /// The axes on which it is not.
     pub worse_axes: Vec<String>,
+    /// What the log rejects the set for, besides worse axes.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub rejections: Vec<Rejection>,
     /// What the log warned of.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<Warning>,
@@ -55,4 +59,7 @@ pub struct Input {
     pub interval_s: f64,
     /// Time from the first row to the last \[s\].
     pub duration_s: f64,
+    /// What is wrong with its signals.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub findings: Vec<Finding>,
 }

@@ -11,6 +11,7 @@
 mod merit;
 mod of_log;
 mod of_set;
+mod of_signals;
 
 use tempco_set::{CoefficientSet, Judgement};
 
@@ -36,8 +37,15 @@ pub fn judge(set: &CoefficientSet, evaluation: Option<&Evaluation>) -> Judgement
         let is_verification = evaluation.log.role == Role::Verification;
         is_verified =
             rejections.is_empty() && (is_verified || sign_off.is_none() && is_verification);
-        judgement.rejections.extend(rejections);
-        judgement.warnings.extend(of_log::warnings(evaluation));
+        // The log may be one that was fitted: what is said of it once is enough.
+        let rejections = rejections.into_iter();
+        let new = rejections.filter(|of| !judgement.rejections.contains(of));
+        let new: Vec<_> = new.collect();
+        judgement.rejections.extend(new);
+        let warnings = of_log::warnings(evaluation).into_iter();
+        let new = warnings.filter(|of| !judgement.warnings.contains(of));
+        let new: Vec<_> = new.collect();
+        judgement.warnings.extend(new);
     }
     judgement.verified = is_verified;
     judgement

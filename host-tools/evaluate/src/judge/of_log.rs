@@ -3,6 +3,7 @@
 use tempco_set::{Judgement, Rejection, RejectionCode, SignOff, Warning, WarningCode, build};
 
 use super::merit::{Merit, no_better_than_none};
+use super::of_signals;
 use crate::evaluation::{AxisEvaluation, Evaluation};
 use crate::text::percent;
 
@@ -14,15 +15,18 @@ const MANY_ROWS: f64 = 0.01;
 
 /// The judgement of a log, as it is kept in a set.
 pub fn sign_off(evaluation: &Evaluation) -> SignOff {
-    let worse = rejections(evaluation).into_iter();
-    let worse_axes: Vec<String> = worse.filter_map(|rejection| rejection.axis).collect();
+    let is_worse = |of: &Rejection| of.code == RejectionCode::NoBetterThanNone;
+    let (worse, rejections): (Vec<_>, Vec<_>) =
+        rejections(evaluation).into_iter().partition(is_worse);
+    let worse_axes: Vec<String> = worse.into_iter().filter_map(|of| of.axis).collect();
     SignOff {
         file: evaluation.log.file.clone(),
         sha256: evaluation.log.sha256.clone(),
         judged: build::now(),
         tau_s: evaluation.tau_s,
-        accepted: worse_axes.is_empty(),
+        accepted: worse_axes.is_empty() && rejections.is_empty(),
         worse_axes,
+        rejections,
         warnings: warnings(evaluation),
     }
 }
@@ -38,8 +42,8 @@ pub(super) fn judge_sign_off(last: &SignOff, judgement: &mut Judgement) {
         judgement
             .rejections
             .extend(last.worse_axes.iter().map(of_axis));
-        // A sign-off that names no axis rejects all the same.
-        if last.worse_axes.is_empty() {
+        // A sign-off that gives no reason rejects all the same.
+        if last.worse_axes.is_empty() && last.rejections.is_empty() {
             judgement.rejections.push(Rejection {
                 code: RejectionCode::NoBetterThanNone,
                 axis: None,
@@ -47,10 +51,18 @@ pub(super) fn judge_sign_off(last: &SignOff, judgement: &mut Judgement) {
             });
         }
     }
+    judgement.rejections.extend_from_slice(&last.rejections);
     judgement.warnings.extend_from_slice(&last.warnings);
 }
 
-/// The axes on which the log shows no improvement.
+/// What is wrong with the signals of the log.
+fn reasons_of_signals(evaluation: &Evaluation) -> (Vec<Rejection>, Vec<Warning>) {
+    let is_axis = |column: &str| evaluation.axes.iter().any(|of| of.axis == column);
+    let log = &evaluation.log;
+    of_signals::reasons(&log.file, &log.findings, is_axis)
+}
+
+/// Why the log rejects the set: signals, and axes that show no improvement.
 pub(super) fn rejections(evaluation: &Evaluation) -> Vec<Rejection> {
     let axes = evaluation.axes.iter();
     let rejection = |axis: &AxisEvaluation| {
@@ -60,12 +72,16 @@ pub(super) fn rejections(evaluation: &Evaluation) -> Vec<Rejection> {
         ];
         no_better_than_none(&axis.axis, merits, &evaluation.log.file)
     };
-    axes.filter_map(rejection).collect()
+    let (rejections, _) = reasons_of_signals(evaluation);
+    rejections
+        .into_iter()
+        .chain(axes.filter_map(rejection))
+        .collect()
 }
 
 /// What the log warns of.
 pub(super) fn warnings(evaluation: &Evaluation) -> Vec<Warning> {
-    let mut warnings = Vec::new();
+    let (_, mut warnings) = reasons_of_signals(evaluation);
     for axis in &evaluation.axes {
         warn_of_residuals(axis, evaluation, &mut warnings);
     }

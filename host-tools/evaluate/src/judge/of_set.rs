@@ -6,6 +6,7 @@ use tempco_set::{
 };
 
 use super::merit::{Merit, no_better_than_none};
+use super::of_signals;
 use crate::text::figure;
 
 /// A segment of which the rows span less than this share of its width reaches beyond its data.
@@ -24,6 +25,13 @@ const LARGE_MOVE_C: f64 = 0.01;
 const LARGE_ROUNDING: f64 = 0.01;
 
 pub(super) fn judge(set: &CoefficientSet, judgement: &mut Judgement) {
+    // Spoilt logs come first: what else is wrong may follow from them.
+    let is_axis = |column: &str| set.axes().any(|(_, axis)| axis.name == column);
+    for input in &set.provenance.inputs {
+        let (rejections, warnings) = of_signals::reasons(&input.file, &input.findings, is_axis);
+        judgement.rejections.extend(rejections);
+        judgement.warnings.extend(warnings);
+    }
     for channel in &set.channels {
         for (number, axis) in channel.axes.iter().enumerate() {
             judgement.rejections.extend(rejections(channel, number));

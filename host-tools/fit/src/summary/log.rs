@@ -1,11 +1,13 @@
 //! Summarises whole logs: from a file as it is read, or from memory.
 
+use std::ops::Range;
 use std::path::Path;
 
+use tempco_log::signals::Signals;
 use tempco_log::{Chunk, Intervals, Log, LogError, LogStream, ReadOptions};
 
 use crate::summary::channel::ChannelSummariser;
-use crate::summary::{AxisName, ChannelSummary, LogSummary, Plan};
+use crate::summary::{AxisName, ChannelSummary, LogSummary, Plan, signals};
 
 /// Rows from which the interval is taken that the core's first step and the grid start with.
 const FIRST_ROWS: usize = 4096;
@@ -52,9 +54,13 @@ pub fn summarise_file(
     }
     let summariser = summariser.unwrap_or_else(|| LogSummariser::start(plan, &stream, &first));
     let interval_s = intervals.median_s();
-    let mut channels = summariser.finish();
-    for (columns, channel) in stream.channels().iter().zip(&mut channels) {
+    let (mut channels, mut findings) = (Vec::new(), Vec::new());
+    for (columns, of_channel) in stream.channels().iter().zip(summariser.channels) {
+        let mut channel = of_channel.summariser.finish();
         channel.column.clone_from(&stream.header()[columns.temp]);
+        let names = columns.axes.iter().map(|(_, column)| &column.name[..]);
+        let names: Vec<&str> = names.collect();
+        findings.extend(of_channel.signals.finish(&channel.column, &names));
         for (axis, (_, column)) in columns.axes.iter().enumerate() {
             let (factor, unit) = column
                 .unit
@@ -65,6 +71,7 @@ pub fn summarise_file(
                 unit,
             });
         }
+        channels.push(channel);
     }
     Ok(LogSummary {
         plan: plan.clone(),
@@ -80,6 +87,7 @@ pub fn summarise_file(
         duration_s: last_s - first_s,
         reading: stream.reading(),
         ignored_columns: stream.ignored().to_vec(),
+        findings,
         channels,
     })
 }
@@ -90,21 +98,32 @@ pub fn summarise_file(
 /// If the log has no row.
 pub fn summarise_log(log: &Log, plan: &Plan) -> LogSummary {
     let (first_s, last_s) = (log.time_s[0], log.time_s[log.rows() - 1]);
-    let channels = log.channels.iter().map(|channel| {
+    let (mut channels, mut findings) = (Vec::new(), Vec::new());
+    for channel in &log.channels {
         let start = (first_s, log.interval_s);
         let axes: Vec<&[f64]> = channel.axes.iter().map(|axis| &axis.raw[..]).collect();
         let mut summariser = ChannelSummariser::new(plan, axes.len(), start, channel.temp_c[0]);
         summariser.take(&log.time_s, &channel.temp_c, &axes);
+        let mut signals = Signals::new(axes.len());
+        signals::take(
+            &mut signals,
+            &plan.exclude,
+            &log.time_s,
+            &channel.temp_c,
+            &axes,
+        );
+        let names: Vec<&str> = channel.axes.iter().map(|axis| &axis.name[..]).collect();
+        findings.extend(signals.finish(&channel.column, &names));
         let names = channel.axes.iter().map(|axis| AxisName {
             name: axis.name.clone(),
             unit: axis.unit,
         });
-        ChannelSummary {
+        channels.push(ChannelSummary {
             column: channel.column.clone(),
             axes: names.collect(),
             ..summariser.finish()
-        }
-    });
+        });
+    }
     LogSummary {
         plan: plan.clone(),
         file: log.file.clone(),
@@ -115,13 +134,22 @@ pub fn summarise_log(log: &Log, plan: &Plan) -> LogSummary {
         duration_s: last_s - first_s,
         reading: log.reading.clone(),
         ignored_columns: log.ignored_columns.clone(),
-        channels: channels.collect(),
+        findings,
+        channels,
     }
 }
 
 /// All channels of a stream.
 struct LogSummariser<'a> {
-    channels: Vec<(ChannelSummariser<'a>, std::ops::Range<usize>)>,
+    plan: &'a Plan,
+    channels: Vec<OfChannel<'a>>,
+}
+
+struct OfChannel<'a> {
+    summariser: ChannelSummariser<'a>,
+    signals: Signals,
+    /// Its axes among all.
+    axes: Range<usize>,
 }
 
 impl<'a> LogSummariser<'a> {
@@ -135,10 +163,14 @@ impl<'a> LogSummariser<'a> {
         let channels = channels.map(|(columns, temp_c)| {
             let axes = axis..axis + columns.axes.len();
             axis = axes.end;
-            let summariser = ChannelSummariser::new(plan, axes.len(), start, temp_c[0]);
-            (summariser, axes)
+            OfChannel {
+                summariser: ChannelSummariser::new(plan, axes.len(), start, temp_c[0]),
+                signals: Signals::new(axes.len()),
+                axes,
+            }
         });
         let mut summariser = Self {
+            plan,
             channels: channels.collect(),
         };
         summariser.take_chunk(first);
@@ -146,15 +178,13 @@ impl<'a> LogSummariser<'a> {
     }
 
     fn take_chunk(&mut self, chunk: &Chunk) {
-        for ((channel, axes), temp_c) in self.channels.iter_mut().zip(&chunk.temps_c) {
-            let axes: Vec<&[f64]> = chunk.axes[axes.clone()].iter().map(|a| &a[..]).collect();
-            channel.take(&chunk.time_s, temp_c, &axes);
+        for (channel, temp_c) in self.channels.iter_mut().zip(&chunk.temps_c) {
+            let axes = chunk.axes[channel.axes.clone()].iter();
+            let axes: Vec<&[f64]> = axes.map(|a| &a[..]).collect();
+            channel.summariser.take(&chunk.time_s, temp_c, &axes);
+            let (signals, exclude) = (&mut channel.signals, &self.plan.exclude);
+            signals::take(signals, exclude, &chunk.time_s, temp_c, &axes);
         }
-    }
-
-    fn finish(self) -> Vec<ChannelSummary> {
-        let channels = self.channels.into_iter();
-        channels.map(|(channel, _)| channel.finish()).collect()
     }
 }
 

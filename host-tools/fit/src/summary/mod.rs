@@ -17,6 +17,7 @@ mod channel;
 mod channel_data;
 mod grid;
 mod log;
+mod signals;
 #[cfg(test)]
 mod tests;
 
@@ -28,6 +29,7 @@ pub use log::{summarise_file, summarise_log};
 
 use tempco::{Interval, Thermal, ThermalPoint, ThermalState};
 use tempco_log::{AxisUnit, Reading};
+use tempco_log::signals::Finding;
 use tempco_set::Stretch;
 
 /// What must be known before a log is summarised; see [`FitOptions::plan`](crate::FitOptions::plan).
@@ -54,6 +56,8 @@ pub struct LogSummary {
     pub(crate) duration_s: f64,
     pub(crate) reading: Reading,
     pub(crate) ignored_columns: Vec<String>,
+    /// What is wrong with its signals.
+    pub(crate) findings: Vec<Finding>,
     pub(crate) channels: Vec<ChannelSummary>,
 }
 

@@ -98,7 +98,10 @@ fn sign_offs(set: &CoefficientSet) -> Markup {
             let outcome = if sign_off.accepted {
                 "accepted".to_owned()
             } else {
-                format!("rejected: {}", sign_off.worse_axes.join(", "))
+                let axes = sign_off.worse_axes.iter().map(String::as_str);
+                let codes = sign_off.rejections.iter().map(|of| of.code.name());
+                let reasons: Vec<&str> = axes.chain(codes).collect();
+                format!("rejected: {}", reasons.join(", "))
             };
             vec![
                 cell(&sign_off.file),

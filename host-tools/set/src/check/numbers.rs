@@ -21,6 +21,12 @@ impl CoefficientSet {
                 ("duration_s", input.duration_s),
             ];
             all_within(&key, &times, &AT_LEAST_0)?;
+            for (number, finding) in input.findings.iter().enumerate() {
+                let key = format!("{key}.findings[{number}]");
+                within(format!("{key}.share"), finding.share, 0.0..=ONE)?;
+                let times = [("from_s", finding.from_s), ("to_s", finding.to_s)];
+                all_within(&key, &times, &ANY)?;
+            }
         }
         for (number, sign_off) in self.sign_offs.iter().enumerate() {
             let key = format!("sign_offs[{number}].tau_s");

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use serde_json::{Value, json};
+use tempco_log::signals::{Fault, Finding};
 
 use crate::import::static_coefficients;
 use crate::{CoefficientSet, Coverage, GainSet, NoiseSet, PlayData, SignOff};
@@ -14,6 +15,15 @@ const PRINTED: &str = "gyro,segment,temp_min_c,temp_max_c,a0_pulses,a1_pulses_pe
 fn example() -> Value {
     let mut set = static_coefficients(Path::new("printed.csv"), PRINTED).unwrap();
     set.settings.scale_factor_arcsec = Some(0.5);
+    set.provenance.inputs[0].findings = vec![Finding {
+        fault: Fault::FullScale,
+        column: String::new(),
+        rows: 1,
+        share: 0.5,
+        from_s: -1.0,
+        to_s: 1.0,
+        detail: String::new(),
+    }];
     set.sign_offs = vec![SignOff {
         file: String::new(),
         sha256: String::new(),
@@ -21,6 +31,7 @@ fn example() -> Value {
         tau_s: 100.0,
         accepted: true,
         worse_axes: Vec::new(),
+        rejections: Vec::new(),
         warnings: Vec::new(),
     }];
     let channel = &mut set.channels[0];
