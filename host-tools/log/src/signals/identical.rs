@@ -23,7 +23,7 @@ impl Identical {
     }
 
     pub(super) fn take(&mut self, time_s: &[f64], temp_c: &[f32], axes: &[&[f64]]) {
-        for &temp_c in temp_c {
+        for &temp_c in temp_c.iter().step_by(16) {
             self.temps_c.0 = self.temps_c.0.min(temp_c);
             self.temps_c.1 = self.temps_c.1.max(temp_c);
         }

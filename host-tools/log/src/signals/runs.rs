@@ -5,6 +5,12 @@ use std::ops::RangeBounds;
 /// Shorter runs are counted, but not kept.
 const LEAST_ROWS: usize = 8;
 
+/// Rows that are compared at once.
+const BLOCK: usize = 64;
+
+/// Of such rows so many are looked at closely, if all differ.
+const LOOKED_AT: usize = 8;
+
 /// Lengths are kept by powers of two up to this one.
 const LENGTHS: usize = 48;
 
@@ -50,9 +56,12 @@ pub(super) struct Standing {
 pub(super) struct Runs {
     rows: usize,
     runs: usize,
-    /// Changes that turn round without a return to the value before.
+    /// Changes that were looked at, and those that turn round without a return to the value
+    /// before.
+    changes: usize,
     wide: usize,
-    /// The value before the one of the present run.
+    /// The value of the last row, and the one before it that differs.
+    value: f64,
     before: f64,
     present: Run,
     longest: Run,
@@ -86,7 +95,9 @@ impl Runs {
         Self {
             rows: 0,
             runs: 0,
+            changes: 0,
             wide: 0,
+            value: f64::NAN,
             before: f64::NAN,
             present: none,
             longest: none,
@@ -94,53 +105,61 @@ impl Runs {
         }
     }
 
-    /// Takes in the next rows. The loop does little but compare and count.
-    pub(super) fn take<V: Copy + Into<f64>>(
+    /// Takes in the next rows.
+    ///
+    /// Most rows of most columns differ from the one before. Blocks of such rows are seen by one
+    /// comparison each, without a branch; the other rows are counted one by one.
+    pub(super) fn take<V: Copy + PartialEq + Into<f64>>(
         &mut self,
         time_s: &[f64],
         temp_c: &[f32],
         values: &[V],
     ) {
-        let (mut runs, mut wide) = (self.runs, self.wide);
-        let (mut before, mut value) = (self.before, self.present.value);
-        // Where the present run starts, if that is in these rows; rows of it before them.
-        let (mut start, mut earlier) = (None, self.present.rows);
-        let length = |start: Option<usize>, earlier, row| match start {
-            Some(start) => row - start,
-            None => earlier + row,
+        let Some(last) = values.len().checked_sub(1) else {
+            return;
         };
-        for (row, &next) in values.iter().enumerate() {
-            let next: f64 = next.into();
-            if next == value {
-                continue;
+        // Where the present run starts, if that is in these rows; rows of it before them.
+        let (mut start, earlier) = (None, self.present.rows);
+        for (number, block) in values.chunks(BLOCK).enumerate() {
+            let first = number * BLOCK;
+            let differs = block[0].into() != self.value && are_all_different(block);
+            for (row, &next) in (first..).zip(block) {
+                let next = next.into();
+                if next == self.value {
+                    continue;
+                }
+                let rows = start.map_or(earlier + row, |start| row - start);
+                if rows >= LEAST_ROWS {
+                    self.extend(start, row, (time_s, temp_c));
+                    self.close();
+                }
+                let turns = (next > self.value) != (self.value > self.before);
+                self.wide += usize::from(turns && next != self.before);
+                self.changes += 1;
+                self.runs += 1;
+                (self.before, self.value) = (self.value, next);
+                start = Some(row);
+                // A part of the rows says as much of the noise.
+                if differs && row - first == LOOKED_AT {
+                    break;
+                }
             }
-            if length(start, earlier, row) >= LEAST_ROWS {
-                self.extend(start, row, (time_s, temp_c), value);
-                self.close();
+            if differs && block.len() > LOOKED_AT + 1 {
+                let end = block.len() - 1;
+                self.runs += end - LOOKED_AT;
+                (self.before, self.value) = (block[end - 1].into(), block[end].into());
+                start = Some(first + end);
             }
-            runs += 1;
-            wide += usize::from(((next > value) != (value > before)) & (next != before));
-            (before, value) = (value, next);
-            (start, earlier) = (Some(row), 0);
         }
-        if !values.is_empty() {
-            self.extend(start, values.len(), (time_s, temp_c), value);
-        }
-        (self.runs, self.wide, self.before) = (runs, wide, before);
+        self.extend(start, last + 1, (time_s, temp_c));
         self.rows += values.len();
     }
 
     /// Brings the present run up to `end`; it starts at `start` of these rows, or before them.
-    fn extend(
-        &mut self,
-        start: Option<usize>,
-        end: usize,
-        (time_s, temp_c): (&[f64], &[f32]),
-        value: f64,
-    ) {
+    fn extend(&mut self, start: Option<usize>, end: usize, (time_s, temp_c): (&[f64], &[f32])) {
         if let Some(start) = start {
             self.present = Run {
-                value,
+                value: self.value,
                 rows: 0,
                 from_s: time_s[start],
                 to_s: time_s[start],
@@ -183,7 +202,7 @@ impl Runs {
 
     /// Whether the column has noise that is wider than its steps.
     pub(super) fn is_noisy(&self) -> bool {
-        self.wide >= LEAST_ROWS && self.wide as f64 >= NOISY * self.runs as f64
+        self.wide >= LEAST_ROWS && self.wide as f64 >= NOISY * self.changes as f64
     }
 
     /// Whether the column is one value, with a few exceptions at most.
@@ -254,4 +273,9 @@ impl Runs {
             to_s: a.to_s.max(b.to_s),
         })
     }
+}
+
+fn are_all_different<V: Copy + PartialEq>(values: &[V]) -> bool {
+    let pairs = values.iter().zip(&values[1..]);
+    pairs.map(|(a, b)| usize::from(a == b)).sum::<usize>() == 0
 }
