@@ -142,7 +142,7 @@ impl LogStream {
         &self.layout.columns.ignored
     }
 
-    /// How the log is read.
+    /// How the log is read, as far as it is known from the rows so far.
     pub fn reading(&self) -> Reading {
         let notes = self.layout.reading.notes.iter().cloned();
         Reading {

@@ -7,19 +7,27 @@
 //! A detector judges a column against the rest of the same column, so that units and scale do not
 //! matter. It must stay silent on a sound log, however coarse its steps.
 
+mod alternating;
+mod fahrenheit;
 mod finding;
 mod frozen_temperature;
 mod full_scale;
 mod identical;
+#[cfg(test)]
+mod made;
 mod runs;
+mod temperature_jump;
 
 use crate::log::Log;
 
 pub use finding::{Fault, Finding};
 
+use alternating::Alternating;
+use fahrenheit::Fahrenheit;
 use frozen_temperature::FrozenTemperature;
 use full_scale::FullScale;
 use identical::Identical;
+use temperature_jump::TemperatureJump;
 
 /// Rows that a detector gets at a time from a log in memory.
 const ROWS_AT_A_TIME: usize = 4096;
@@ -46,6 +54,9 @@ pub struct Signals {
     full_scale: FullScale,
     identical: Identical,
     frozen_temperature: FrozenTemperature,
+    temperature_jump: TemperatureJump,
+    alternating: Alternating,
+    fahrenheit: Fahrenheit,
 }
 
 impl Signals {
@@ -56,6 +67,9 @@ impl Signals {
             full_scale: FullScale::new(axes),
             identical: Identical::new(axes),
             frozen_temperature: FrozenTemperature::new(axes),
+            temperature_jump: TemperatureJump::new(axes),
+            alternating: Alternating::new(axes),
+            fahrenheit: Fahrenheit::new(axes),
         }
     }
 
@@ -65,6 +79,9 @@ impl Signals {
         self.full_scale.take(time_s, temp_c, axes);
         self.identical.take(time_s, temp_c, axes);
         self.frozen_temperature.take(time_s, temp_c, axes);
+        self.temperature_jump.take(time_s, temp_c, axes);
+        self.alternating.take(time_s, temp_c, axes);
+        self.fahrenheit.take(time_s, temp_c, axes);
     }
 
     /// What was found; `temperature` and `axes` are the names of the columns.
@@ -75,6 +92,9 @@ impl Signals {
             (Fault::IdenticalValues, self.identical.finish()),
             (Fault::FrozenTemperature, frozen),
             (Fault::StandingTemperature, standing),
+            (Fault::TemperatureJump, self.temperature_jump.finish()),
+            (Fault::AlternatingSources, self.alternating.finish()),
+            (Fault::Fahrenheit, self.fahrenheit.finish()),
         ];
         let rows = self.rows;
         let of_fault = |(fault, places): (Fault, Vec<Place>)| {
