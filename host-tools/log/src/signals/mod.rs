@@ -15,6 +15,7 @@ mod full_scale;
 mod identical;
 #[cfg(test)]
 mod made;
+mod running_total;
 mod runs;
 mod temperature_jump;
 
@@ -27,6 +28,7 @@ use fahrenheit::Fahrenheit;
 use frozen_temperature::FrozenTemperature;
 use full_scale::FullScale;
 use identical::Identical;
+use running_total::RunningTotal;
 use temperature_jump::TemperatureJump;
 
 /// Rows that a detector gets at a time from a log in memory.
@@ -54,6 +56,7 @@ pub struct Signals {
     full_scale: FullScale,
     identical: Identical,
     frozen_temperature: FrozenTemperature,
+    running_total: RunningTotal,
     temperature_jump: TemperatureJump,
     alternating: Alternating,
     fahrenheit: Fahrenheit,
@@ -67,6 +70,7 @@ impl Signals {
             full_scale: FullScale::new(axes),
             identical: Identical::new(axes),
             frozen_temperature: FrozenTemperature::new(axes),
+            running_total: RunningTotal::new(axes),
             temperature_jump: TemperatureJump::new(axes),
             alternating: Alternating::new(axes),
             fahrenheit: Fahrenheit::new(axes),
@@ -79,6 +83,7 @@ impl Signals {
         self.full_scale.take(time_s, temp_c, axes);
         self.identical.take(time_s, temp_c, axes);
         self.frozen_temperature.take(time_s, temp_c, axes);
+        self.running_total.take(time_s, temp_c, axes);
         self.temperature_jump.take(time_s, temp_c, axes);
         self.alternating.take(time_s, temp_c, axes);
         self.fahrenheit.take(time_s, temp_c, axes);
@@ -92,6 +97,7 @@ impl Signals {
             (Fault::IdenticalValues, self.identical.finish()),
             (Fault::FrozenTemperature, frozen),
             (Fault::StandingTemperature, standing),
+            (Fault::RunningTotal, self.running_total.finish()),
             (Fault::TemperatureJump, self.temperature_jump.finish()),
             (Fault::AlternatingSources, self.alternating.finish()),
             (Fault::Fahrenheit, self.fahrenheit.finish()),
