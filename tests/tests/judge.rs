@@ -127,7 +127,7 @@ fn chosen(model: &str, rate_columns: usize, rates: &[f64]) -> Value {
             "excess_sigma": 0.1}})
 }
 
-const CASES: [Case; 26] = [
+const CASES: [Case; 28] = [
     PLAIN,
     Case {
         name: "segments that disagree",
@@ -293,6 +293,26 @@ const CASES: [Case; 26] = [
         codes: &["flagged_rows"],
         ..PLAIN
     },
+    Case {
+        name: "signals that were spoilt in the fitted log",
+        change: |set| {
+            let found = |fault: &str, column: &str| {
+                json!({"fault": fault, "column": column, "rows": 9, "share": 0.1, "from_s": 1.0,
+                    "to_s": 9.0, "detail": "it is so"})
+            };
+            set["provenance"]["inputs"][0]["findings"] =
+                json!([found("full_scale", "x"), found("fahrenheit", "temp_c")]);
+        },
+        codes: &["fahrenheit", "full_scale"],
+        ..PLAIN
+    },
+    Case {
+        name: "signals that are spoilt in the log",
+        log: "dead.csv",
+        verified: false,
+        codes: &["identical_values"],
+        ..PLAIN
+    },
 ];
 
 #[test]
@@ -313,6 +333,14 @@ fn a_set_is_judged_alike_by_all_commands() {
     let hot = |row: &str| row.replacen(",39.", ",41.", 1);
     let beyond: Vec<String> = beyond.lines().map(hot).collect();
     bench.write("beyond.csv", &(beyond.join("\n") + "\n"));
+    // Around the highest temperature, so that the values are about right.
+    let dead = log(2, line, line);
+    let dead = dead.lines().enumerate().map(|(row, text)| match row {
+        450..550 => format!("{},0.4", text.rsplit_once(',').unwrap().0),
+        _ => text.to_owned(),
+    });
+    let dead: Vec<String> = dead.collect();
+    bench.write("dead.csv", &(dead.join("\n") + "\n"));
 
     for case in CASES {
         let name = case.name;

@@ -32,6 +32,14 @@ struct World {
     step: f64,
     /// Rows for which the temperature, and the axes, are held.
     held: (usize, usize),
+    /// Share of the log that is soaks.
+    soaks: f64,
+    /// Time constant with which the axes follow the temperature [share of the log].
+    lag: f64,
+    /// Whether an axis counts steps, so that what is rounded off comes with the next row.
+    counts: bool,
+    /// How far a bias wanders from one end of the log to the other, by about.
+    drift: f64,
 }
 
 const FINE: World = World {
@@ -42,6 +50,10 @@ const FINE: World = World {
     noise: 0.05,
     step: 1e-4,
     held: (1, 1),
+    soaks: 0.4,
+    lag: 0.0,
+    counts: false,
+    drift: 0.0,
 };
 
 struct Columns {
@@ -62,10 +74,16 @@ impl World {
             temp_c: Vec::new(),
             axes: vec![Vec::new(); 3],
         };
+        let ramp = 0.5 * (1.0 - self.soaks);
+        let (mut of_unit_c, mut left, mut drift) = (-10.0, [0.0; 3], [0.0; 3]);
         for row in 0..self.rows {
-            let tenths = 10.0 * row as f64 / self.rows as f64;
-            let up = (tenths - 1.0).min(9.0 - tenths).clamp(0.0, 3.0);
-            let true_c = -10.0 + 20.0 * up;
+            // A soak, a ramp up, a soak twice as long, a ramp down, a soak.
+            let place = row as f64 / self.rows as f64;
+            let up = (place - self.soaks / 4.0) / ramp;
+            let down = (1.0 - place - self.soaks / 4.0) / ramp;
+            let true_c = -10.0 + 60.0 * up.min(down).clamp(0.0, 1.0);
+            let follows = 1.0 / (1.0 + self.lag * self.rows as f64);
+            of_unit_c += follows * (true_c - of_unit_c);
             log.time_s.push(row as f64 * self.interval_s);
             let is_held = |rows: usize| row % rows != 0;
             let read_c = true_c + self.temp_noise_c * random.normal();
@@ -73,12 +91,17 @@ impl World {
                 true => log.temp_c[row - 1],
                 false => rounded(read_c, self.temp_step_c) as f32,
             });
-            for (column, slope) in log.axes.iter_mut().zip([0.012, -0.016, 0.006]) {
-                let d = true_c - 25.0;
-                let value = 0.3 + slope * d + 1e-4 * d * d + self.noise * random.normal();
+            for (axis, slope) in [0.012, -0.016, 0.006].into_iter().enumerate() {
+                let d = of_unit_c - 25.0;
+                drift[axis] += self.drift / (self.rows as f64).sqrt() * random.normal();
+                let bias = 0.3 + slope * d + 1e-4 * d * d + drift[axis];
+                let value = bias + self.noise * random.normal() + left[axis];
+                let read = rounded(value, self.step);
+                left[axis] = f64::from(u8::from(self.counts)) * (value - read);
+                let column = &mut log.axes[axis];
                 column.push(match is_held(self.held.1) {
                     true => column[row - 1],
-                    false => rounded(value, self.step),
+                    false => read,
                 });
             }
         }
@@ -135,7 +158,39 @@ fn sound() -> Vec<World> {
             }
         }
         for held in [(10, 1), (100, 1), (1, 5), (50, 50)] {
-            worlds.push(World { held, ..world });
+            // A temperature that is read every 1000 s does stand still.
+            if held.0 as f64 * interval_s <= 500.0 {
+                worlds.push(World { held, ..world });
+            }
+        }
+        for (soaks, lag, drift) in [
+            (0.8, 0.0, 0.0),
+            (0.8, 0.02, 0.0),
+            (0.8, 0.05, 0.1),
+            (0.4, 0.03, 0.1),
+            (0.6, 0.0, 0.2),
+        ] {
+            for (temp_noise_c, temp_step_c) in [(0.0, 1.0), (0.01, 1.0), (0.01, 0.0625), (0.1, 0.5)]
+            {
+                for (noise, step, counts) in [
+                    (0.05, 1e-4, false),
+                    (0.002, 0.02, false),
+                    (0.01, 0.2, true),
+                    (0.1, 0.2, true),
+                ] {
+                    worlds.push(World {
+                        temp_noise_c,
+                        temp_step_c,
+                        noise,
+                        step,
+                        soaks,
+                        lag,
+                        counts,
+                        drift,
+                        ..world
+                    });
+                }
+            }
         }
     }
     worlds
@@ -145,12 +200,12 @@ fn sound() -> Vec<World> {
 fn sound_logs_have_no_findings() {
     let mut alarms = 0;
     for (number, world) in sound().into_iter().enumerate() {
-        for seed in 11..16 {
-            let found = find(&world.log(seed * 1000 + number as u64), 4096);
-            if !found.is_empty() {
-                println!("{world:?} {seed}: {found:?}");
-                alarms += 1;
-            }
+        let mut found = find(&world.log(11 + number as u64), 4096);
+        // Where a bias wanders as far as the temperature moves it, a warning is due.
+        found.retain(|of| world.drift < 0.2 || of.fault != Fault::StandingTemperature);
+        if !found.is_empty() {
+            println!("{world:?}: {found:?}");
+            alarms += 1;
         }
     }
     assert_eq!(alarms, 0);
@@ -283,4 +338,54 @@ fn a_frozen_temperature_is_found() {
         let value = log.temp_c[rows.start];
         log.temp_c[rows].fill(value);
     });
+}
+
+/// Without noise of its own, a coarse temperature is judged by the axes.
+#[test]
+fn a_coarse_temperature_that_freezes_in_a_ramp_is_found() {
+    for (temp_step_c, step, counts) in [(1.0, 1e-4, false), (0.5, 0.2, true), (0.0625, 0.05, false)]
+    {
+        for (from, to) in [(0.12, 0.5), (0.15, 0.9), (0.6, 1.0)] {
+            let world = World {
+                temp_noise_c: 0.0,
+                temp_step_c,
+                step,
+                counts,
+                ..FINE
+            };
+            let mut log = world.log(11);
+            let [from, to] = [from, to].map(|share| (share * world.rows as f64) as usize);
+            let value = log.temp_c[from];
+            log.temp_c[from..to].fill(value);
+            let found = find(&log, 1000);
+            let faults: Vec<Fault> = found.iter().map(|of| of.fault).collect();
+            let is_there = faults.contains(&Fault::FrozenTemperature);
+            assert!(is_there, "{world:?} {from} {to} {found:?}");
+        }
+    }
+}
+
+/// A coarse output stands still in soaks, but not in ramps.
+#[test]
+fn an_axis_of_whole_pulses_that_freezes_in_a_ramp_is_found() {
+    let world = World {
+        noise: 0.02,
+        step: 0.2,
+        counts: true,
+        ..FINE
+    };
+    for axis in 0..3 {
+        for (from, to) in [(0.1, 0.4), (0.2, 0.5), (0.4, 0.9)] {
+            let mut log = world.log(11);
+            let [from, to] = [from, to].map(|share| (share * world.rows as f64) as usize);
+            let value = log.axes[axis][from];
+            log.axes[axis][from..to].fill(value);
+            let found = find(&log, 1000);
+            let faults: Vec<Fault> = found.iter().map(|of| of.fault).collect();
+            assert!(
+                faults.contains(&Fault::IdenticalValues),
+                "{axis} {from} {to}"
+            );
+        }
+    }
 }

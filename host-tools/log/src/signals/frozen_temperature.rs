@@ -24,17 +24,20 @@ const LEAST_C: f64 = 5.0;
 /// alone 1, of two ramps up and down 0.1, of a steady drift 0.006.
 const STEADY: f64 = 0.2;
 
-/// Shares of its movement elsewhere by which an axis moves during a stand: worth a warning, and
+/// Shares of their movement elsewhere by which the axes move during a stand: worth a warning, and
 /// plainly the temperature's work.
-const MOVES: (f64, f64) = (0.25, 0.5);
+const MOVES: (f64, f64) = (0.25, 0.35);
+
+/// What the movement of an only axis counts for. It may drift by itself; two of them hardly do.
+const ALONE: f64 = 0.6;
 
 /// Looks at the runs of identical temperatures.
 ///
 /// A real soak stands too, if the steps of the sensor are coarse. What tells a frozen sensor:
 ///
 /// - The temperature has noise wider than its steps elsewhere, and none here.
-/// - Or it has none, but an axis moves here, after the first third of the stand, as it does
-///   elsewhere with temperature. The first third is left to the lag of the unit.
+/// - Or it has none, but axes move here, after the first third of the stand, as they do elsewhere
+///   with temperature. The first third is left to the lag of the unit.
 #[derive(Clone, Debug)]
 pub(super) struct FrozenTemperature {
     runs: Runs,
@@ -96,8 +99,8 @@ impl FrozenTemperature {
         (frozen, standing)
     }
 
-    /// By how much the axis that moves most moves during a run, as a share of its movement
-    /// elsewhere; 0 where that cannot be known.
+    /// By how much the axes move during a run, as a share of their movement elsewhere; 0 where that
+    /// cannot be known. Of several axes it is the second largest share.
     fn movement(&self, run: &Run) -> f64 {
         let times = self.time_s.values();
         let start = times.partition_point(|&time_s| time_s < run.from_s);
@@ -123,7 +126,13 @@ impl FrozenTemperature {
                 false => 0.0,
             }
         });
-        shares.fold(0.0, f64::max)
+        let mut shares: Vec<f64> = shares.collect();
+        shares.sort_by(|a, b| b.total_cmp(a));
+        match shares[..] {
+            [] => 0.0,
+            [only] => ALONE * only,
+            [_, second, ..] => second,
+        }
     }
 }
 
