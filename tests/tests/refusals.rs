@@ -64,7 +64,7 @@ fn bad_rows_are_named() {
             "300,28,1,0,2",
             "log.csv:302: 5 cells, but the header has 3 (a decimal comma",
         ),
-        ("300,,0.2", "log.csv:302:2: column `temp_c`: an empty cell"),
+        ("300,28.1,", "log.csv:302:3: column `x_dph`: an empty cell"),
     ] {
         let message = refused(&with_row_300(HEADER, row));
         assert!(message.starts_with("error: "), "{message}");
@@ -87,12 +87,12 @@ fn bad_files_and_headers_are_named() {
             "log.csv:1: no axis column",
         ),
         (
-            with_row_300("time_ms,temp_c,x_dph", good),
-            "`time_ms` is not in seconds",
+            with_row_300("time,temp_c,x_dph", good),
+            "`time` has no unit: expected --time time:s",
         ),
         (
-            with_row_300("time_s,temp_k,x_dph", good),
-            "`temp_k` is not in degC",
+            with_row_300("time_s,temp,x_dph", good),
+            "`temp` has no unit: expected --temp temp:degc",
         ),
     ] {
         let message = refused(&contents);

@@ -98,6 +98,14 @@ fn fit_unit(
         .iter()
         .map(|path| summarise_file(path, reading, plan, |bytes| progress.add(bytes)))
         .collect::<Result<Vec<_>, _>>()?;
+    for log in logs.iter().filter(|log| !log.reading().is_plain()) {
+        say!(
+            "unit {}: {}: read as: {}",
+            unit.serial,
+            log.file(),
+            log.reading()
+        );
+    }
     let fit = fit_summaries(&logs, &options)?;
     let judgement = fit.judge();
     let report = if with_report {

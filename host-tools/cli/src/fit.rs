@@ -88,7 +88,7 @@ fn stretch(text: &str) -> Result<Stretch, String> {
 
 pub(crate) fn run(args: &Args) -> Result<Exit> {
     let options = options(args)?;
-    let reading = args.reading.options(None);
+    let reading = args.reading.options(None)?;
     if let Some(folder) = &args.batch {
         return batch::run(folder, &args.out, &reading, &options, !args.no_report);
     }

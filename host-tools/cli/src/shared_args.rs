@@ -1,15 +1,13 @@
 //! Arguments that several commands share: a set and a log, and how to read a log.
 
+use std::fs;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Error, Result};
+use anyhow::{Context, Error, Result, bail};
 use tempco_evaluate::TAU_RANGE_S;
 use tempco_fit::summary::{LogSummary, Plan, summarise_file};
-use tempco_log::{
-    AxisColumn, COLUMN_UNITS, Log, Mapping, ReadOptions, Reading, TempColumn, list_names, parallel,
-    read_log_observed,
-};
+use tempco_log::{Log, Mapping, ReadOptions, Reading, list_names, parallel, read_log_observed};
 use tempco_set::{CoefficientSet, SCALE_FACTORS_ARCSEC, check_folder, load_set, set_of_image};
 
 use crate::image::{Placed, is_image};
@@ -41,9 +39,7 @@ impl SetAndLog {
             return Ok((set_for(&self.set, &image, &log)?, log));
         }
         let set = load_set(&self.set)?;
-        let log = self
-            .reading
-            .read(&self.log, set.settings.scale_factor_arcsec)?;
+        let log = self.reading.read(&self.log, Some(&set))?;
         Ok((set, log))
     }
 }
@@ -96,17 +92,28 @@ fn number_in(text: &str, range: &RangeInclusive<f64>, unit: &str) -> Result<f64,
 #[derive(clap::Args)]
 #[command(next_help_heading = "Reading logs")]
 pub(crate) struct LogArgs {
-    /// Column of the time, in s. Default: time_s
-    #[arg(long, value_name = "COL")]
+    /// Column of the time. Default: time_s, or a name with its unit such as "Time [ms]". UNIT is s,
+    /// ms, us, ns, iso (clock times), or 100hz (a counter); without, it is in the name, or s
+    #[arg(long, value_name = "COL[:UNIT]")]
     time: Option<String>,
-    /// Column of the temperature, in degC. Default: temp_c. AXIS=COL gives an axis its own; may be
-    /// repeated
-    #[arg(long, value_name = "[AXIS=]COL", value_parser = temp_column)]
-    temp: Vec<TempColumn>,
-    /// Column of an axis, with its unit. May be repeated. Without, all columns with a name such as
-    /// x_dph are read
-    #[arg(long, value_name = "NAME=COL:UNIT", value_parser = axis_column)]
-    axis: Vec<AxisColumn>,
+    /// Column of the temperature. AXIS=COL gives an axis its own; may be repeated. Default: temp_c.
+    /// UNIT is degc, degf or k; without, it is in the name, or degc
+    #[arg(long, value_name = "[AXIS=]COL[*SCALE][+OFFSET][:UNIT]")]
+    temp: Vec<String>,
+    /// Column of an axis, with its unit after scale and offset. May be repeated. Without, all columns
+    /// with a name such as x_dph or "Gyro X [deg/s]" are read
+    #[arg(long, value_name = "NAME=COL[*SCALE][+OFFSET]:UNIT")]
+    axis: Vec<String>,
+    /// Read only the rows that have this in a column. May be repeated
+    #[arg(long = "where", value_name = "COL=VALUE")]
+    filter: Vec<String>,
+    /// Log with the temperatures, joined by time. The last one is held, for 10 s at most
+    #[arg(long, value_name = "FILE")]
+    join: Option<PathBuf>,
+    /// TOML file with these options: time = "...", temp = ["..."], axis = ["..."], where = ["..."],
+    /// join = "..."
+    #[arg(long, value_name = "FILE.toml")]
+    map: Option<PathBuf>,
     /// Angle per pulse, in arcsec. Turns pulse counts into deg/h
     #[arg(long, value_name = "ARCSEC", value_parser = scale_factor, allow_negative_numbers = true)]
     pub(crate) scale_factor: Option<f64>,
@@ -116,13 +123,24 @@ pub(crate) struct LogArgs {
 }
 
 impl LogArgs {
-    /// Reads a log; the scale factor of the set is used unless one was given.
-    pub(crate) fn read(&self, path: &Path, set_scale_factor: Option<f64>) -> Result<Log> {
+    /// Reads a log. What is not given is as kept in the set, where the columns of the log fit.
+    pub(crate) fn read(&self, path: &Path, set: Option<&CoefficientSet>) -> Result<Log> {
         let paths = [path.to_owned()];
         let progress = Progress::over(&paths);
-        let options = self.options(set_scale_factor);
+        let options = self.options(set)?;
         let log = read_log_observed(path, &options, |bytes| progress.add(bytes))?;
         drop(progress);
+        let joined = log.reading.mapping.as_ref();
+        let joined = joined.and_then(|mapping| mapping.join.as_ref());
+        let inputs = set.map_or(&[][..], |set| &set.provenance.inputs);
+        let is_fitted = inputs.iter().any(|input| input.sha256 == log.sha256);
+        if let (Some(joined), None, false) = (joined, &options.mapping.join, is_fitted) {
+            bail!(
+                "{}: the set was fitted with temperatures of {joined}: expected --join FILE, with \
+                 those of this log",
+                path.display()
+            );
+        }
         say_reading(
             &log.file,
             &log.reading,
@@ -135,7 +153,7 @@ impl LogArgs {
     /// Summarises several logs at once.
     pub(crate) fn summarise_all(&self, paths: &[PathBuf], plan: &Plan) -> Result<Vec<LogSummary>> {
         let progress = Progress::over(paths);
-        let options = self.options(None);
+        let options = self.options(None)?;
         let logs = parallel::map(paths, |path| {
             summarise_file(path, &options, plan, |bytes| progress.add(bytes))
         });
@@ -148,22 +166,52 @@ impl LogArgs {
         Ok(logs)
     }
 
-    /// How to read; the scale factor of the set is used unless one was given.
-    pub(crate) fn options(&self, set_scale_factor: Option<f64>) -> ReadOptions {
-        ReadOptions {
-            mapping: Mapping {
-                time: self.time.clone(),
-                temps: self.temp.clone(),
-                axes: self.axis.clone(),
-            },
-            scale_factor_arcsec: self.scale_factor.or(set_scale_factor),
+    /// How to read; what is not given is as kept in the set.
+    ///
+    /// # Errors
+    /// A file of a mapping that cannot be read.
+    pub(crate) fn options(&self, set: Option<&CoefficientSet>) -> Result<ReadOptions> {
+        let given = Mapping {
+            time: self.time.clone(),
+            temp: self.temp.clone(),
+            axis: self.axis.clone(),
+            filter: self.filter.clone(),
+            join: self.join.as_ref().map(|path| path.display().to_string()),
+        };
+        let mapping = match &self.map {
+            Some(path) => given.or(&mapping_file(path)?),
+            None => given,
+        };
+        let inputs = set.map_or(&[][..], |set| &set.provenance.inputs);
+        let kept = inputs.iter().filter_map(|input| input.mapping.clone());
+        let of_set = set.and_then(|set| set.settings.scale_factor_arcsec);
+        Ok(ReadOptions {
+            mapping,
+            kept: kept.collect(),
+            scale_factor_arcsec: self.scale_factor.or(of_set),
             skip_bad_rows: self.skip_bad_rows,
-        }
+        })
     }
 }
 
+fn mapping_file(path: &Path) -> Result<Mapping> {
+    let text = fs::read_to_string(path).with_context(|| path.display().to_string())?;
+    toml::from_str(&text).with_context(|| {
+        format!(
+            "{}: expected time = \"...\", temp = [\"...\"], axis = [\"...\"], where = [\"...\"] or \
+             join = \"...\"",
+            path.display()
+        )
+    })
+}
+
 /// Says how a log was read, names the columns that were not used, and counts the rows left out.
-fn say_reading(file: &str, reading: &Reading, ignored_columns: &[String], skipped_rows: usize) {
+pub(crate) fn say_reading(
+    file: &str,
+    reading: &Reading,
+    ignored_columns: &[String],
+    skipped_rows: usize,
+) {
     if !reading.is_plain() {
         say!("{file}: read as: {reading}");
     }
@@ -173,28 +221,4 @@ fn say_reading(file: &str, reading: &Reading, ignored_columns: &[String], skippe
     if skipped_rows > 0 {
         say!("{file}: {skipped_rows} bad rows left out");
     }
-}
-
-fn temp_column(text: &str) -> Result<TempColumn, String> {
-    let (axis, column) = match text.split_once('=') {
-        Some((axis, column)) => (Some(axis.to_owned()), column),
-        None => (None, text),
-    };
-    Ok(TempColumn {
-        axis,
-        column: column.to_owned(),
-    })
-}
-
-fn axis_column(text: &str) -> Result<AxisColumn, String> {
-    let expected = || format!("expected NAME=COL:UNIT with UNIT one of {COLUMN_UNITS}");
-    let (name, rest) = text.split_once('=').ok_or_else(expected)?;
-    let (column, unit) = rest.rsplit_once(':').ok_or_else(expected)?;
-    Ok(AxisColumn {
-        name: name.to_owned(),
-        column: column.to_owned(),
-        unit: unit
-            .parse()
-            .map_err(|()| format!("unknown unit `{unit}`; {}", expected()))?,
-    })
 }

@@ -185,6 +185,7 @@ fn input(log: &LogSummary) -> Input {
         interval_s: log.interval_s,
         duration_s: log.duration_s,
         findings: log.findings.clone(),
+        mapping: log.reading.mapping.clone(),
     }
 }
 

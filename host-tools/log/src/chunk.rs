@@ -38,31 +38,36 @@ impl Chunk {
         }
     }
 
-    /// Takes the rows from `row` on out of the chunk.
+    /// Takes the rows from `row` on out of the chunk. Columns of another log may still be empty.
     pub(super) fn split_off(&mut self, row: usize) -> Self {
+        let temps_c = self.temps_c.iter_mut();
         Self {
             time_s: self.time_s.split_off(row),
-            temps_c: self.temps_c.iter_mut().map(|c| c.split_off(row)).collect(),
+            temps_c: temps_c.map(|c| c.split_off(row.min(c.len()))).collect(),
             axes: self.axes.iter_mut().map(|c| c.split_off(row)).collect(),
         }
     }
 
-    /// Temperatures and axes of a row.
-    pub(super) fn values(&self, row: usize) -> Vec<f64> {
-        let temps = self.temps_c.iter().map(|column| column[row].into());
+    /// The bits of all temperatures and axes of a row.
+    pub(super) fn bits(&self, row: usize) -> Vec<u64> {
+        let temps = self.temps_c.iter().filter_map(|column| column.get(row));
+        let axes = self.axes.iter().map(|column| column[row].to_bits());
         temps
-            .chain(self.axes.iter().map(|column| column[row]))
+            .map(|temp_c| temp_c.to_bits().into())
+            .chain(axes)
             .collect()
     }
 
     /// Leaves out the rows that are not to be kept.
     pub(super) fn retain(&mut self, keep: &[bool]) {
-        fn retain<T>(column: &mut Vec<T>, keep: &[bool]) {
-            let mut keep = keep.iter();
-            column.retain(|_| keep.next().is_some_and(|&keep| keep));
-        }
         retain(&mut self.time_s, keep);
         self.temps_c.iter_mut().for_each(|c| retain(c, keep));
         self.axes.iter_mut().for_each(|c| retain(c, keep));
     }
+}
+
+/// Leaves out the values that are not to be kept.
+pub(super) fn retain<T>(column: &mut Vec<T>, keep: &[bool]) {
+    let mut keep = keep.iter();
+    column.retain(|_| keep.next().is_some_and(|&keep| keep));
 }

@@ -3,6 +3,7 @@
 use memchr::memchr2;
 
 use super::decimal;
+use super::known::FLYSIGHT_ROW;
 use super::names;
 use super::records::Records;
 
@@ -231,6 +232,12 @@ pub(super) fn find_header(
     is_all: bool,
 ) -> Result<Option<Header>, String> {
     let lines = first_lines(text, is_at_end);
+    if lines
+        .first()
+        .is_some_and(|line| line.text.starts_with(b"$FLYS"))
+    {
+        return Ok(flysight(&lines).or_else(|| without_rows(text, &lines).filter(|_| is_all)));
+    }
     for (at, line) in lines.iter().enumerate() {
         let mut found: Option<(usize, Separator, usize, Vec<Vec<u8>>)> = None;
         for separator in Separator::ALL {
@@ -268,6 +275,38 @@ pub(super) fn find_header(
         without_rows(text, &lines)
     } else {
         None
+    })
+}
+
+/// The header of FlySight 2, whose lines `$COL,IMU` and `$UNIT,IMU` name columns and units.
+fn flysight(lines: &[Line]) -> Option<Header> {
+    let end = lines
+        .iter()
+        .position(|line| line.text.trim_ascii() == b"$DATA")?;
+    let of = |start: &[u8]| {
+        let is_wanted = |line: &&Line| line.text.starts_with(start);
+        let line = lines[..end].iter().find(is_wanted)?;
+        Some(cells(&line.text[start.len()..], Separator::Comma))
+    };
+    let (columns, units) = (of(b"$COL,IMU,")?, of(b"$UNIT,IMU,").unwrap_or_default());
+    let units = units.into_iter().chain(std::iter::repeat(Vec::new()));
+    let named = columns
+        .into_iter()
+        .zip(units)
+        .map(|(column, unit)| match &unit[..] {
+            [] => column,
+            unit => [&column[..], b" [", unit, b"]"].concat(),
+        });
+    let names = std::iter::once(FLYSIGHT_ROW.as_bytes().to_vec()).chain(named);
+    let data = &lines[end];
+    Some(Header {
+        names: names.collect(),
+        separator: Separator::Comma,
+        line: data.number,
+        preamble: Vec::new(),
+        sample: Vec::new(),
+        length: data.start + data.text.len(),
+        lines: data.number,
     })
 }
 

@@ -4,12 +4,17 @@ use std::path::{Path, PathBuf};
 
 use super::LogError;
 use super::chunk::Chunk;
-use super::columns::{Columns, Mapping};
+use super::columns::{Columns, TempSource};
 use super::decimal;
 use super::dialect::{Header, Separator, is_clock};
 use super::encoding::Encoding;
 use super::excerpt::{excerpt, excerpt_of_bytes};
-use super::reading::Reading;
+use super::hold::HOLD_S;
+use super::join::Joined;
+use super::known::Signs;
+use super::mapping::Mapping;
+use super::names::Linear;
+use super::time::TimeUnit;
 
 /// Temperatures outside this range \[degC\] are taken for a wrong unit, not for a reading.
 const PLAUSIBLE_TEMP_C: std::ops::RangeInclusive<f64> = -100.0..=200.0;
@@ -39,6 +44,43 @@ pub(super) enum Kind {
 pub(super) struct Slot {
     pub(super) kind: Kind,
     pub(super) position: usize,
+    pub(super) conversion: Conversion,
+}
+
+/// From the number in a cell to the unit of the log.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Conversion {
+    None,
+    /// Ticks, so many in a second: a division rounds once.
+    PerSecond(f64),
+    Linear(Linear),
+}
+
+impl Conversion {
+    fn linear(linear: Linear) -> Self {
+        match linear == Linear::NONE {
+            true => Self::None,
+            false => Self::Linear(linear),
+        }
+    }
+
+    #[inline]
+    pub(super) fn of(self, value: f64) -> f64 {
+        match self {
+            Self::None => value,
+            Self::PerSecond(ticks) => value / ticks,
+            Self::Linear(linear) => value * linear.scale + linear.offset,
+        }
+    }
+
+    /// The number in a cell that becomes this value.
+    fn inverse(self, value: f64) -> f64 {
+        match self {
+            Self::None => value,
+            Self::PerSecond(ticks) => value * ticks,
+            Self::Linear(linear) => (value - linear.offset) / linear.scale,
+        }
+    }
 }
 
 /// The columns of a log.
@@ -55,7 +97,32 @@ pub(super) struct Layout {
     pub(super) separator: Separator,
     /// Whether numbers have a decimal comma.
     pub(super) decimal_comma: bool,
-    pub(super) reading: Reading,
+    /// Whether any number is converted.
+    pub(super) converts: bool,
+    /// Where times count from, of units that count from the first row.
+    pub(super) origin_ns: Option<i128>,
+    /// Temperatures of another log.
+    pub(super) joined: Option<Joined>,
+}
+
+/// What the columns of a log are found from.
+#[derive(Clone)]
+pub(super) struct Finder<'a> {
+    pub(super) path: &'a Path,
+    pub(super) mapping: &'a Mapping,
+    /// Mappings that were kept, used where they fit.
+    pub(super) kept: &'a [Mapping],
+    /// Temperatures of another log.
+    pub(super) joined: Option<Joined>,
+    /// Whether this is a log to be joined, of which only time and temperatures are read.
+    pub(super) without_axes: bool,
+}
+
+/// What stands about a header.
+pub(super) struct Found<'a> {
+    pub(super) preamble: &'a [Vec<u8>],
+    pub(super) sample: &'a [Vec<Vec<u8>>],
+    pub(super) row_kind: RowKind,
 }
 
 impl Layout {
@@ -64,18 +131,23 @@ impl Layout {
     /// # Errors
     /// Those of [`new`](Self::new); numbers of which some have a decimal comma and some a point.
     pub(super) fn of_text(
-        path: &Path,
         header: Header,
         encoding: Encoding,
-        mapping: &Mapping,
+        finder: &Finder,
     ) -> Result<Self, LogError> {
+        let path = finder.path;
         let line = u64::from(header.line) + 1;
         let mut notes = Vec::new();
         let names = header.names.iter().map(|name| text_of(name));
         let names = names.collect::<Option<Vec<String>>>();
         let names = names.ok_or_else(|| LogError::line(path, line, NO_TEXT))?;
         let refused = |message: String| LogError::line(path, line, message);
-        let mut layout = Self::new(path, names, mapping, RowKind::Line).map_err(refused)?;
+        let found = Found {
+            preamble: &header.preamble,
+            sample: &header.sample,
+            row_kind: RowKind::Line,
+        };
+        let mut layout = Self::new(names, &found, finder).map_err(refused)?;
         if encoding != Encoding::Utf8 {
             notes.push("UTF-16".to_owned());
         } else if header
@@ -102,7 +174,20 @@ impl Layout {
                 excerpt_of_bytes(first)
             ));
         }
-        layout.reading.notes = notes;
+        layout.columns.reading.notes = notes;
+        let unit = layout.columns.time_unit;
+        if unit.has_origin() {
+            let cells = header.sample.iter();
+            let mut cells = cells.filter_map(|row| unit.nanoseconds(row.get(layout.columns.time)?));
+            layout.origin_ns = cells.next();
+            layout.slots[0].conversion = Conversion::None;
+            layout.converts = layout.has_conversion();
+        }
+        if let Some(joined) = &mut layout.joined {
+            joined
+                .align(unit, layout.origin_ns)
+                .map_err(|message| LogError::file(path, message))?;
+        }
         Ok(layout)
     }
 
@@ -110,47 +195,123 @@ impl Layout {
     ///
     /// # Errors
     /// A header that does not name time, temperature and axes with their units.
-    pub(super) fn new(
-        path: &Path,
-        header: Vec<String>,
-        mapping: &Mapping,
-        row_kind: RowKind,
-    ) -> Result<Self, String> {
-        let columns = Columns::find(&header, mapping)?;
+    pub(super) fn new(header: Vec<String>, found: &Found, finder: &Finder) -> Result<Self, String> {
+        let signs = Signs {
+            header: &header,
+            file: &finder
+                .path
+                .file_name()
+                .unwrap_or_default()
+                .to_string_lossy(),
+            preamble: found.preamble,
+            sample: found.sample,
+        };
+        let joined = finder.joined.as_ref();
+        let temps = joined.map(|joined| (joined.temps.clone(), joined.file.clone()));
+        let columns = match finder.without_axes {
+            true => Columns::of_joined(&signs, finder.mapping)?,
+            false => Columns::find(&signs, finder.mapping, finder.kept, temps)?,
+        };
+        let ticks = columns.time_unit.per_second();
+        let mut sources = columns.channels.iter().map(|channel| channel.temp);
+        let is_joined = sources.any(|temp| matches!(temp, TempSource::Joined(_)));
         let mut slots = vec![Slot {
             kind: Kind::Time,
             position: columns.time,
+            conversion: match ticks {
+                Some(ticks) if ticks != 1.0 => Conversion::PerSecond(ticks),
+                _ => Conversion::None,
+            },
         }];
         let mut axes = 0;
         for (channel, of_channel) in columns.channels.iter().enumerate() {
-            slots.push(Slot {
-                kind: Kind::Temp(channel),
-                position: of_channel.temp,
-            });
-            for (position, _) in &of_channel.axes {
+            if let TempSource::Column(position) = of_channel.temp {
+                slots.push(Slot {
+                    kind: Kind::Temp(channel),
+                    position,
+                    conversion: Conversion::linear(of_channel.to_deg_c),
+                });
+            }
+            for axis in &of_channel.axes {
                 slots.push(Slot {
                     kind: Kind::Axis(axes),
-                    position: *position,
+                    position: axis.position,
+                    conversion: Conversion::linear(axis.linear),
                 });
                 axes += 1;
             }
         }
-        Ok(Self {
-            path: path.to_owned(),
+        let mut layout = Self {
+            path: finder.path.to_owned(),
             header,
             columns,
             slots,
-            row_kind,
+            row_kind: found.row_kind,
             separator: Separator::Comma,
             decimal_comma: false,
-            reading: Reading::default(),
-        })
+            converts: false,
+            origin_ns: None,
+            joined: joined.filter(|_| is_joined).cloned(),
+        };
+        layout.converts = layout.has_conversion();
+        Ok(layout)
+    }
+
+    fn has_conversion(&self) -> bool {
+        let mut slots = self.slots.iter();
+        slots.any(|slot| slot.conversion != Conversion::None)
+    }
+
+    /// Whether rows must be looked at cell by cell.
+    pub(super) fn needs_cells(&self) -> bool {
+        self.decimal_comma
+            || self.separator == Separator::Blanks
+            || !self.columns.filters.is_empty()
+            || self.columns.time_unit.has_origin()
+    }
+
+    /// Converts the numbers of a row.
+    #[inline]
+    pub(super) fn convert(&self, values: &mut [f64]) {
+        for (slot, value) in self.slots.iter().zip(values) {
+            *value = slot.conversion.of(*value);
+        }
+    }
+
+    /// The number in a cell of a text, in the unit of the log.
+    ///
+    /// # Errors
+    /// What is wrong with the cell.
+    #[inline]
+    pub(super) fn value(&self, slot: &Slot, cell: &[u8]) -> Result<f64, String> {
+        let unit = self.columns.time_unit;
+        let value = match slot.kind {
+            Kind::Time if unit.has_origin() => {
+                let since = unit.nanoseconds(cell).zip(self.origin_ns);
+                since.map(|(time, origin)| (time - origin) as f64 / 1e9)
+            }
+            Kind::Temp(_) if cell.is_empty() => return Ok(f64::NAN),
+            _ => decimal::parse_with(cell, self.decimal_comma),
+        };
+        let expected = match (slot.kind, unit) {
+            (Kind::Time, TimeUnit::Iso) => "a time by ISO 8601, such as 2023-03-04T09:00:00.5",
+            (Kind::Time, TimeUnit::Ns) => "whole nanoseconds",
+            _ => "a finite number",
+        };
+        let value = value
+            .map(|value| slot.conversion.of(value))
+            .ok_or_else(|| match cell {
+                [] => format!("an empty cell: expected {expected}"),
+                _ => format!("`{}`: expected {expected}", excerpt_of_bytes(cell)),
+            })?;
+        Self::objection(slot.kind, value).map_or(Ok(value), Err)
     }
 
     /// An empty chunk with room for some rows.
     pub(super) fn chunk(&self, rows: usize) -> Chunk {
-        let channels = self.columns.channels.len();
-        Chunk::with_capacity(channels, self.slots.len() - 1 - channels, rows)
+        let channels = &self.columns.channels;
+        let axes = channels.iter().map(|channel| channel.axes.len()).sum();
+        Chunk::with_capacity(channels.len(), axes, rows)
     }
 
     /// Adds a row of checked values, in the order of the slots.
@@ -180,11 +341,35 @@ impl Layout {
         None
     }
 
-    /// Lowest and highest acceptable value.
-    pub(super) fn limits(kind: Kind) -> (f64, f64) {
-        match kind {
+    /// Lowest and highest acceptable number in a cell, before it is converted.
+    pub(super) fn limits(slot: &Slot) -> (f64, f64) {
+        let (low, high) = match slot.kind {
             Kind::Temp(_) => (*PLAUSIBLE_TEMP_C.start(), *PLAUSIBLE_TEMP_C.end()),
             Kind::Time | Kind::Axis(_) => (-LARGEST_VALUE, LARGEST_VALUE),
+        };
+        let (low, high) = (slot.conversion.inverse(low), slot.conversion.inverse(high));
+        (low.min(high), low.max(high))
+    }
+
+    /// The error of a row whose channel has no temperature.
+    pub(super) fn blank_temp(&self, number: u64, channel: usize, time_s: f64) -> LogError {
+        match (self.columns.channels[channel].temp, &self.joined) {
+            (TempSource::Column(position), _) => {
+                let message = format!(
+                    "an empty cell, and no temperature in the {HOLD_S} s before: expected a finite \
+                     number"
+                );
+                self.cell_error(number, position, message)
+            }
+            (TempSource::Joined(_), joined) => {
+                let joined = joined.as_ref().map(Joined::describe).unwrap_or_default();
+                let message =
+                    format!("no temperature in the {HOLD_S} s before {time_s} s in {joined}");
+                match self.row_kind {
+                    RowKind::Line => LogError::line(&self.path, number, message),
+                    RowKind::Row => LogError::file(&self.path, message),
+                }
+            }
         }
     }
 

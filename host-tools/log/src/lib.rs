@@ -10,8 +10,10 @@
 //! | `encoding`, `head`, `dialect` | text: its encoding, separator and header |
 //! | `source`, `blocks`, `records`, `decimal`, `rows`, `pipeline` | text: unpacked, cut into blocks, parsed on all cores |
 //! | `parquet`, `time_types`, `pages` | tables of Parquet, columns of times, pages of bounded size |
+//! | `names`, `known`, `mapping`, `time` | what names say; known loggers; columns that a user names |
 //! | `columns`, `layout`, [`AxisUnit`] | which column is what, in which unit |
 //! | `order`, `clock`, `bursts` | times that increase: counters that wrap, restarts, stamps of whole bursts |
+//! | `hold`, `join` | temperatures where a row has none: the last one, or that of another log |
 //! | `interval`, `stream`, `chunk` | rows in chunks, their usual interval |
 //! | `log`, `read`, `reading` | a whole [`Log`], and how it was read |
 //! | [`signals`] | signals that are not what they are said to be |
@@ -32,9 +34,15 @@ mod encoding;
 mod error;
 mod excerpt;
 mod head;
+mod hold;
 mod interval;
+mod join;
+mod known;
 mod layout;
 mod log;
+#[cfg(test)]
+mod logger_tests;
+mod mapping;
 pub mod median;
 mod names;
 mod order;
@@ -51,15 +59,17 @@ mod source;
 mod stream;
 #[cfg(test)]
 mod tests;
+mod time;
 mod time_types;
 mod unit;
 
 pub use chunk::Chunk;
-pub use columns::{AxisColumn, ChannelColumns, Mapping, TempColumn};
+pub use columns::{AxisColumn, ChannelColumns};
 pub use error::LogError;
 pub use excerpt::list_names;
 pub use interval::Intervals;
 pub use log::{Axis, Channel, Log};
+pub use mapping::Mapping;
 pub use read::{ReadOptions, read_log, read_log_observed};
 pub use reading::Reading;
 pub use source::hex;

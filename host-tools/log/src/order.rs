@@ -4,8 +4,9 @@
 
 use super::LogError;
 use super::bursts::{self, Bursts};
-use super::chunk::Chunk;
+use super::chunk::{Chunk, retain};
 use super::clock::{Clock, LOOK_AHEAD, Stamp, TimeNotes};
+use super::hold::Hold;
 use super::layout::Layout;
 
 /// Consecutive rows whose cells were checked, apart from the order of their times.
@@ -16,6 +17,8 @@ pub(super) struct Parsed {
     pub(super) base: u64,
     /// For each row, its number less `base`.
     pub(super) numbers: Vec<u32>,
+    /// Whether temperatures are missing: NaN.
+    pub(super) has_blanks: bool,
     /// Rows left out because of their cells.
     pub(super) skipped: usize,
     /// The row at which reading stopped.
@@ -31,6 +34,8 @@ pub(super) struct Bad {
     pub(super) time_s: Option<f64>,
     /// What is wrong with its other cells.
     pub(super) error: LogError,
+    /// Whether it is refused although bad rows are skipped.
+    pub(super) is_fatal: bool,
 }
 
 /// The order of time over a whole log.
@@ -45,8 +50,11 @@ pub(super) struct TimeOrder {
     numbers: Vec<u64>,
     /// Rows whose burst may go on.
     open: Chunk,
-    /// Values of the row judged last.
-    last_row: Vec<f64>,
+    hold: Hold,
+    /// Whether a temperature was missing so far.
+    has_blanks: bool,
+    /// Bits of the row judged last.
+    last_row: Vec<u64>,
     /// Rows left out so far.
     pub(super) skipped: usize,
 }
@@ -60,6 +68,8 @@ impl TimeOrder {
             waiting: layout.chunk(0),
             numbers: Vec::new(),
             open: layout.chunk(0),
+            hold: Hold::new(skip_bad_rows),
+            has_blanks: false,
             last_row: Vec::new(),
             skipped: 0,
         }
@@ -71,6 +81,7 @@ impl TimeOrder {
     /// The first bad row, unless bad rows are skipped.
     pub(super) fn take(&mut self, layout: &Layout, parsed: Parsed) -> Result<Chunk, LogError> {
         self.skipped += parsed.skipped;
+        self.has_blanks |= parsed.has_blanks;
         self.waiting.append(&parsed.chunk);
         let numbers = parsed.numbers.iter();
         self.numbers
@@ -136,21 +147,21 @@ impl TimeOrder {
     /// Makes times of the stamps of rows and leaves out the bad ones.
     fn judge(&mut self, layout: &Layout, rows: &mut Chunk) -> Result<(), LogError> {
         let count = rows.rows();
-        let numbers: Vec<u64> = self.numbers.drain(..count).collect();
+        let mut numbers: Vec<u64> = self.numbers.drain(..count).collect();
         let after_s = self.waiting.time_s.first().copied();
-        let last_row = count.checked_sub(1).map(|last| rows.values(last));
+        let last_row = count.checked_sub(1).map(|last| rows.bits(last));
         if !self.clock.pass(&rows.time_s, after_s) {
             let (mut keep, mut times_s) = (vec![true; count], vec![0.0; count]);
             for row in 0..count {
                 let next_s = rows.time_s.get(row + 1).copied().or(after_s);
-                let is_repeated = |before: Vec<f64>| rows.values(row) == before;
+                let is_repeated = |before: Vec<u64>| rows.bits(row) == before;
                 match self.time(rows.time_s[row], next_s) {
                     Ok(Some(time_s)) => times_s[row] = time_s,
                     // The same stamp and the same values: a row that was written twice.
                     Ok(None)
                         if is_repeated(match row {
                             0 => self.last_row.clone(),
-                            _ => rows.values(row - 1),
+                            _ => rows.bits(row - 1),
                         }) =>
                     {
                         keep[row] = false;
@@ -171,7 +182,12 @@ impl TimeOrder {
             }
             rows.time_s = times_s;
             rows.retain(&keep);
+            retain(&mut numbers, &keep);
         }
+        let held = self
+            .hold
+            .fill(layout, rows, &mut numbers, self.has_blanks)?;
+        self.skipped += held;
         self.last_row = last_row.unwrap_or_else(|| std::mem::take(&mut self.last_row));
         Ok(())
     }

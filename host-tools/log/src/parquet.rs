@@ -13,12 +13,13 @@ use parquet::file::metadata::{ParquetMetaData, ParquetMetaDataReader};
 use parquet::schema::types::ColumnDescriptor;
 
 use super::LogError;
-use super::columns::Mapping;
 use super::excerpt::excerpt;
-use super::layout::{Kind, Layout, RowKind};
+use super::layout::{Conversion, Finder, Found, Kind, Layout, RowKind};
+use super::mapping::Mapping;
 use super::order::{Bad, Parsed};
 use super::pages::{BoundedFile, LARGEST_PAGE, Pages, TooLarge};
 use super::source::Source;
+use super::time::TimeUnit;
 use super::time_types::{TimeType, time_types};
 
 /// The rows of a Parquet file, some at a time.
@@ -52,28 +53,54 @@ impl ParquetRows {
     /// hold no numbers. The time column may hold timestamps, times of day or durations; the only
     /// such column needs no name that says so.
     pub(super) fn open(
-        path: &Path,
         source: Source,
-        mapping: &Mapping,
+        finder: &Finder,
         skip_bad_rows: bool,
         rows_at_a_time: usize,
     ) -> Result<(Self, Arc<Layout>), LogError> {
+        let path = finder.path;
         let file = File::open(path).map_err(LogError::io(path))?;
         let file = BoundedFile::new(file, LARGEST_PAGE);
         let metadata = ParquetMetaDataReader::new().parse_and_finish(&file);
         let metadata = metadata.map_err(|cause| refused(path, &cause))?;
         let schema = metadata.file_metadata().schema_descr();
         let header = schema.columns().iter().map(|column| column.path().string());
+        let refused = |message: String| LogError::file(path, message);
+        let found = Found {
+            preamble: &[],
+            sample: &[],
+            row_kind: RowKind::Row,
+        };
         let header: Vec<String> = header.collect();
+        // The type of a time column says more than its name.
         let types = time_types(metadata.file_metadata());
-        let mut mapping = mapping.clone();
         let mut timed = types.iter().zip(&header).filter(|(time, _)| time.is_some());
-        if let (None, Some((_, name)), None) = (&mapping.time, timed.next(), timed.next()) {
-            mapping.time = Some(name.clone());
-        }
-        let layout = Layout::new(path, header, &mapping, RowKind::Row)
-            .map_err(|message| LogError::file(path, message))?;
+        let mapping = match (&finder.mapping.time, timed.next(), timed.next()) {
+            (None, Some((_, name)), None) => Mapping {
+                time: Some(format!("{name}:s")),
+                ..finder.mapping.clone()
+            },
+            _ => finder.mapping.clone(),
+        };
+        let finder = Finder {
+            mapping: &mapping,
+            ..finder.clone()
+        };
+        let mut layout = Layout::new(header, &found, &finder).map_err(refused)?;
         let time = types[layout.columns.time];
+        if time.is_some() {
+            layout.columns.time_unit = TimeUnit::S;
+            layout.slots[0].conversion = Conversion::None;
+        }
+        if !layout.columns.filters.is_empty() || layout.columns.time_unit == TimeUnit::Iso {
+            let message = "--where and clock times: expected a log as text, such as CSV";
+            return Err(refused(message.to_owned()));
+        }
+        if let Some(joined) = &mut layout.joined {
+            joined
+                .align(layout.columns.time_unit, None)
+                .map_err(refused)?;
+        }
         for slot in &layout.slots {
             let column = schema.column(slot.position);
             let is_time = slot.kind == Kind::Time && time.is_some();
@@ -158,6 +185,7 @@ impl ParquetRows {
             chunk: self.layout.chunk(rows),
             base: self.row + 1,
             numbers: Vec::with_capacity(rows),
+            has_blanks: false,
             skipped: 0,
             bad: None,
         };
@@ -165,6 +193,7 @@ impl ParquetRows {
         for row in 0..rows {
             match self.row(row, &mut values) {
                 Ok(()) => {
+                    parsed.has_blanks |= values.iter().any(|value| value.is_nan());
                     self.layout.push(&mut parsed.chunk, &values);
                     parsed.numbers.push(row as u32);
                 }
@@ -182,13 +211,18 @@ impl ParquetRows {
         let mut time_s = None;
         for ((slot, reader), value) in self.layout.slots.iter().zip(&self.readers).zip(values) {
             let objection = match reader.values[row] {
+                // A blank temperature: the last one may be held.
+                None if matches!(slot.kind, Kind::Temp(_)) => {
+                    *value = f64::NAN;
+                    None
+                }
                 None => Some("null: expected a finite number".to_owned()),
                 Some(found) if !found.is_finite() => {
                     Some(format!("`{found}`: expected a finite number"))
                 }
                 Some(found) => {
-                    *value = found;
-                    Layout::objection(slot.kind, found)
+                    *value = slot.conversion.of(found);
+                    Layout::objection(slot.kind, *value)
                 }
             };
             if let Some(message) = objection {
@@ -197,6 +231,7 @@ impl ParquetRows {
                     number,
                     time_s,
                     error: self.layout.cell_error(number, slot.position, message),
+                    is_fatal: false,
                 }));
             }
             time_s.get_or_insert(*value);

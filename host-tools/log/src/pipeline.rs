@@ -11,9 +11,8 @@ use std::thread;
 
 use super::LogError;
 use super::blocks::{Block, BlockError, Blocks};
-use super::columns::Mapping;
 use super::head::{Body, HeadError, read_head};
-use super::layout::Layout;
+use super::layout::{Finder, Layout};
 use super::order::Parsed;
 use super::rows;
 use super::source::{Format, Source};
@@ -41,13 +40,12 @@ impl Pipeline {
     /// # Errors
     /// An unreadable or empty file, a header that does not name the columns.
     pub(super) fn start(
-        path: &Path,
         source: Source,
-        mapping: &Mapping,
+        finder: &Finder,
         skip_bad_rows: bool,
         block_bytes: usize,
     ) -> Result<(Self, Arc<Layout>), LogError> {
-        let format = source.format;
+        let (path, format) = (finder.path, source.format);
         let text = source.text().map_err(|cause| format.error(path, cause))?;
         let (header, body) = read_head(text).map_err(|error| match error {
             HeadError::Read(cause) => failed(path, format, cause),
@@ -60,7 +58,7 @@ impl Pipeline {
         let line = u64::from(header.lines) + 1;
         let encoding = body.get_ref().1.encoding;
         let blocks = Blocks::new(body, block_bytes, line, header.separator.record_byte());
-        let layout = Arc::new(Layout::of_text(path, header, encoding, mapping)?);
+        let layout = Arc::new(Layout::of_text(header, encoding, finder)?);
 
         let (items_in, items) = sync_channel(DEPTH);
         let reader = BlockReader {

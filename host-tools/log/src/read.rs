@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use super::chunk::Chunk;
-use super::columns::Mapping;
 use super::interval::Intervals;
+use super::mapping::Mapping;
 use super::stream::LogStream;
 use super::{Axis, Channel, Log, LogError};
 
@@ -13,6 +13,8 @@ use super::{Axis, Channel, Log, LogError};
 pub struct ReadOptions {
     /// Columns that do not follow the naming rule.
     pub mapping: Mapping,
+    /// Mappings that were kept with a set: the first whose columns a log has gives what is not named.
+    pub kept: Vec<Mapping>,
     /// Turns pulse counts into deg/h \[arcsec per pulse\]; without it they become pulses/s.
     pub scale_factor_arcsec: Option<f64>,
     /// Leave out rows with a bad cell and count them, instead of refusing the log.
@@ -94,13 +96,13 @@ fn channels(
     let channels = stream.channels().iter().zip(&mut temps_c);
     channels
         .map(|(columns, temp_c)| Channel {
-            column: stream.header()[columns.temp].clone(),
+            column: columns.column.clone(),
             temp_c,
             axes: columns
                 .axes
                 .iter()
                 .zip(&mut axes)
-                .map(|((_, axis), mut raw)| {
+                .map(|(axis, mut raw)| {
                     let (factor, unit) = axis.unit.in_axis_unit(interval_s, scale_factor);
                     raw.iter_mut().for_each(|value| *value *= factor);
                     Axis {

@@ -2,23 +2,38 @@
 
 use std::fmt;
 
+use super::mapping::Mapping;
+
 /// What was found in a log that a plain log does not have, and how it was read therefore.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Reading {
-    /// What was found, each in some words.
+    /// The logger that writes such a log.
+    pub layout: Option<String>,
+    /// What was found in its text, each in some words.
     pub notes: Vec<String>,
+    /// What must be known of this layout.
+    pub warning: Option<&'static str>,
+    /// The columns, where they do not all have plain names.
+    pub mapping: Option<Mapping>,
 }
 
 impl Reading {
     /// Whether the log is a plain one.
     pub fn is_plain(&self) -> bool {
-        self.notes.is_empty()
+        *self == Self::default()
     }
 }
 
 /// In one line.
 impl fmt::Display for Reading {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.notes.join("; "))
+        let parts = self.layout.iter().chain(&self.notes).cloned();
+        let options = self.mapping.as_ref().map(Mapping::options);
+        let parts: Vec<String> = parts.chain(options).collect();
+        f.write_str(&parts.join("; "))?;
+        match self.warning {
+            Some(warning) => write!(f, "; warning: {warning}"),
+            None => Ok(()),
+        }
     }
 }

@@ -4,10 +4,10 @@ use memchr::{memchr_iter, memchr2};
 
 use super::LogError;
 use super::blocks::Block;
+use super::columns::several_sources;
 use super::decimal;
 use super::dialect::{Separator, split_blanks};
-use super::excerpt::excerpt_of_bytes;
-use super::layout::{Layout, Slot};
+use super::layout::{Kind, Layout, Slot};
 use super::order::{Bad, Parsed};
 use super::records::{MOST_CELLS, Records};
 
@@ -26,18 +26,20 @@ pub(super) fn parse(layout: &Layout, block: &Block, skip_bad_rows: bool) -> Pars
             chunk: layout.chunk(capacity),
             base: block.first_line,
             numbers: Vec::with_capacity(capacity),
+            has_blanks: false,
             skipped: 0,
             bad: None,
         },
     };
     let text = block.text();
-    match (block.is_plain, layout.decimal_comma, layout.separator) {
-        (false, ..) => rows.quoted(text),
-        (_, true, _) | (.., Separator::Blanks) => rows.unusual(text),
-        (.., Separator::Comma) => rows.plain::<b','>(text),
-        (.., Separator::Semicolon) => rows.plain::<b';'>(text),
-        (.., Separator::Tab) => rows.plain::<b'\t'>(text),
-        (.., Separator::Bar) => rows.plain::<b'|'>(text),
+    match layout.separator {
+        _ if !block.is_plain => rows.quoted(text),
+        _ if layout.needs_cells() => rows.unusual(text),
+        Separator::Comma => rows.plain::<b','>(text),
+        Separator::Semicolon => rows.plain::<b';'>(text),
+        Separator::Tab => rows.plain::<b'\t'>(text),
+        Separator::Bar => rows.plain::<b'|'>(text),
+        Separator::Blanks => rows.unusual(text),
     }
     rows.parsed
 }
@@ -46,8 +48,10 @@ pub(super) fn parse(layout: &Layout, block: &Block, skip_bad_rows: bool) -> Pars
 struct Column {
     /// The slots that it fills; none if it is not read.
     slots: Vec<usize>,
-    /// Lowest and highest value that all of them accept.
+    /// Lowest and highest number that all of them accept.
     limits: (f64, f64),
+    /// Whether its cells may be blank: it is read for temperatures alone.
+    may_be_blank: bool,
 }
 
 fn plan(layout: &Layout) -> Vec<Column> {
@@ -55,11 +59,14 @@ fn plan(layout: &Layout) -> Vec<Column> {
         let slots = layout.slots.iter().enumerate();
         let slots = slots.filter(|(_, slot)| slot.position == position);
         let limits = |(low, high): (f64, f64), (_, slot): (usize, &Slot)| {
-            let (least, most) = Layout::limits(slot.kind);
+            let (least, most) = Layout::limits(slot);
             (low.max(least), high.min(most))
         };
         Column {
             slots: slots.clone().map(|(number, _)| number).collect(),
+            may_be_blank: slots
+                .clone()
+                .all(|(_, slot)| matches!(slot.kind, Kind::Temp(_))),
             limits: slots.fold((f64::MIN, f64::MAX), limits),
         }
     };
@@ -141,7 +148,14 @@ impl Rows<'_> {
             if column.slots.is_empty() {
                 at += memchr2(SEPARATOR, b'\n', &text[at..])?;
             } else {
-                let (value, end) = cell::<SEPARATOR>(text, at)?;
+                let (value, end) = match cell::<SEPARATOR>(text, at) {
+                    Some(found) => found,
+                    None if column.may_be_blank && is_end::<SEPARATOR>(text, at) => {
+                        self.parsed.has_blanks = true;
+                        (f64::NAN, at)
+                    }
+                    None => return None,
+                };
                 at = end;
                 if value < column.limits.0 || value > column.limits.1 {
                     return None;
@@ -156,6 +170,9 @@ impl Rows<'_> {
             }
             at += 1;
         }
+        if self.layout.converts {
+            self.layout.convert(&mut self.values);
+        }
         Some(at - 1)
     }
 
@@ -169,8 +186,9 @@ impl Rows<'_> {
     /// Takes a row by its cells; returns whether to go on.
     fn cells(&mut self, line: u32, cells: &[&[u8]]) -> bool {
         match self.checked(line, cells) {
-            Ok(()) => self.keep(line),
-            Err(_) if self.skip_bad_rows => self.parsed.skipped += 1,
+            Ok(true) => self.keep(line),
+            Ok(false) => {}
+            Err(bad) if self.skip_bad_rows && !bad.is_fatal => self.parsed.skipped += 1,
             Err(bad) => {
                 self.parsed.bad = Some(*bad);
                 return false;
@@ -179,7 +197,8 @@ impl Rows<'_> {
         true
     }
 
-    fn checked(&mut self, line: u32, cells: &[&[u8]]) -> Result<(), Box<Bad>> {
+    /// Reads the cells of a row; whether it is one that is wanted.
+    fn checked(&mut self, line: u32, cells: &[&[u8]]) -> Result<bool, Box<Bad>> {
         let layout = self.layout;
         let number = self.parsed.base + u64::from(line);
         let mut time_s = None;
@@ -188,8 +207,28 @@ impl Rows<'_> {
                 number,
                 time_s,
                 error,
+                is_fatal: false,
             }))
         };
+        // Other rows may be of another kind, with other cells.
+        for filter in &layout.columns.filters {
+            let cell = cells
+                .get(filter.position)
+                .map_or(&b""[..], |cell| cell.trim_ascii());
+            if cell != filter.value && filter.is_only && !cell.is_empty() {
+                let column = &layout.header[filter.position];
+                let message = several_sources(column, &filter.value, cell);
+                return Err(Box::new(Bad {
+                    number,
+                    time_s,
+                    error: LogError::line(&layout.path, number, message),
+                    is_fatal: true,
+                }));
+            }
+            if cell != filter.value {
+                return Ok(false);
+            }
+        }
         if cells.len() != layout.header.len() {
             let message = format!(
                 "{} cells, but the header has {} (a decimal comma, or a cut line?)",
@@ -199,28 +238,31 @@ impl Rows<'_> {
             return bad(None, LogError::line(&layout.path, number, message));
         }
         for (value, slot) in self.values.iter_mut().zip(&layout.slots) {
-            let cell = cells[slot.position].trim_ascii();
-            let objection = match decimal::parse_with(cell, layout.decimal_comma) {
-                Some(parsed) => {
-                    *value = parsed;
-                    Layout::objection(slot.kind, parsed)
+            match layout.value(slot, cells[slot.position].trim_ascii()) {
+                Ok(found) => *value = found,
+                Err(message) => {
+                    return bad(time_s, layout.cell_error(number, slot.position, message));
                 }
-                None => Some(not_a_number(cell)),
-            };
-            if let Some(message) = objection {
-                return bad(time_s, layout.cell_error(number, slot.position, message));
             }
+            self.parsed.has_blanks |= value.is_nan();
             time_s.get_or_insert(*value);
         }
-        Ok(())
+        Ok(true)
     }
+}
+
+/// Whether a cell ends at `at` of `text`.
+#[inline(always)]
+fn is_end<const SEPARATOR: u8>(text: &[u8], at: usize) -> bool {
+    text.get(at)
+        .is_some_and(|&byte| byte == SEPARATOR || byte == b'\n')
 }
 
 /// Reads the cell at `at` of `text`; returns its value and where it ends.
 #[inline(always)]
 fn cell<const SEPARATOR: u8>(text: &[u8], at: usize) -> Option<(f64, usize)> {
     if let Some((value, end)) = decimal::short(text, at)
-        && matches!(text.get(end), Some(&byte) if byte == SEPARATOR || byte == b'\n')
+        && is_end::<SEPARATOR>(text, end)
     {
         return Some((value, end));
     }
@@ -238,11 +280,4 @@ fn unusual_cell<const SEPARATOR: u8>(text: &[u8], at: usize) -> Option<(f64, usi
         _ => decimal::parse(cell)?,
     };
     Some((value, end))
-}
-
-fn not_a_number(cell: &[u8]) -> String {
-    match cell {
-        [] => "an empty cell: expected a finite number".to_owned(),
-        _ => format!("`{}`: expected a finite number", excerpt_of_bytes(cell)),
-    }
 }

@@ -1,12 +1,13 @@
 //! A log as a stream of chunks.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::chunk::Chunk;
 use super::columns::ChannelColumns;
-use super::layout::Layout;
+use super::join::Joined;
+use super::layout::{Finder, Layout};
 use super::order::TimeOrder;
 use super::parquet::ParquetRows;
 use super::pipeline::Pipeline;
@@ -49,6 +50,18 @@ impl LogStream {
         Self::open_in_parts(path, options, BLOCK_BYTES, TABLE_ROWS)
     }
 
+    /// Opens a log of which only time and temperatures are read.
+    pub(super) fn open_joined(path: &Path, options: &ReadOptions) -> Result<Self, LogError> {
+        let finder = Finder {
+            path,
+            mapping: &options.mapping,
+            kept: &[],
+            joined: None,
+            without_axes: true,
+        };
+        Self::start(&finder, options, BLOCK_BYTES, TABLE_ROWS)
+    }
+
     /// Opens a log to be read in parts of another size.
     pub(super) fn open_in_parts(
         path: &Path,
@@ -56,14 +69,43 @@ impl LogStream {
         block_bytes: usize,
         table_rows: usize,
     ) -> Result<Self, LogError> {
-        let source = Source::open(path).map_err(LogError::io(path))?;
+        // A joined log that was kept with a set lies next to the log, where it is of this log.
+        let given = options.mapping.join.as_ref().map(PathBuf::from);
+        let kept = options.kept.iter().filter_map(|kept| {
+            let name = Path::new(kept.join.as_ref()?).file_name()?;
+            Some((path.with_file_name(name), kept)).filter(|(file, _)| file.is_file())
+        });
+        let joined = match (given, kept.take(1).next()) {
+            (Some(file), _) => Some(Joined::read(&file, options, &options.mapping)?),
+            (None, Some((file, kept))) => {
+                Some(Joined::read(&file, options, &options.mapping.or(kept))?)
+            }
+            (None, None) => None,
+        };
+        let finder = Finder {
+            path,
+            mapping: &options.mapping,
+            kept: &options.kept,
+            joined,
+            without_axes: false,
+        };
+        Self::start(&finder, options, block_bytes, table_rows)
+    }
+
+    fn start(
+        finder: &Finder,
+        options: &ReadOptions,
+        block_bytes: usize,
+        table_rows: usize,
+    ) -> Result<Self, LogError> {
+        let source = Source::open(finder.path).map_err(LogError::io(finder.path))?;
         let (bytes, bytes_read) = (source.bytes, Arc::clone(&source.bytes_read));
-        let (mapping, skip) = (&options.mapping, options.skip_bad_rows);
+        let skip = options.skip_bad_rows;
         let (rows, layout) = if source.format == Format::Parquet {
-            let (rows, layout) = ParquetRows::open(path, source, mapping, skip, table_rows)?;
+            let (rows, layout) = ParquetRows::open(source, finder, skip, table_rows)?;
             (Rows::Parquet(Box::new(rows)), layout)
         } else {
-            let (rows, layout) = Pipeline::start(path, source, mapping, skip, block_bytes)?;
+            let (rows, layout) = Pipeline::start(source, finder, skip, block_bytes)?;
             (Rows::Text(rows), layout)
         };
         Ok(Self {
@@ -99,6 +141,10 @@ impl LogStream {
             }
         }
         Ok(None)
+    }
+
+    pub(super) fn layout(&self) -> &Layout {
+        &self.layout
     }
 
     /// SHA-256 of the file's bytes, in hexadecimal, once the log was read to its end.
@@ -144,10 +190,9 @@ impl LogStream {
 
     /// How the log is read, as far as it is known from the rows so far.
     pub fn reading(&self) -> Reading {
-        let notes = self.layout.reading.notes.iter().cloned();
-        Reading {
-            notes: notes.chain(self.order.notes().in_words()).collect(),
-        }
+        let mut reading = self.layout.columns.reading.clone();
+        reading.notes.extend(self.order.notes().in_words());
+        reading
     }
 
     /// A chunk to which others of this log can be appended.

@@ -1,6 +1,7 @@
 //! Where a set comes from, and what it was judged on.
 
 use serde::{Deserialize, Serialize};
+use tempco_log::Mapping;
 use tempco_log::signals::Finding;
 
 use crate::{Rejection, Warning};
@@ -62,4 +63,7 @@ pub struct Input {
     /// What is wrong with its signals.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub findings: Vec<Finding>,
+    /// How its columns were read, where they do not all have plain names.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mapping: Option<Mapping>,
 }

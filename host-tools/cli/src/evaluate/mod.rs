@@ -125,7 +125,7 @@ fn write_report(
     if args.report.is_none() && args.figures.is_none() {
         return Ok(());
     }
-    let reading = args.put.reading.options(set.settings.scale_factor_arcsec);
+    let reading = args.put.reading.options(Some(set))?;
     let gathered = gather(set, args.tau, &[found], &reading)?;
     let subject = Subject {
         set,

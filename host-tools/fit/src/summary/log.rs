@@ -57,11 +57,11 @@ pub fn summarise_file(
     let (mut channels, mut findings) = (Vec::new(), Vec::new());
     for (columns, of_channel) in stream.channels().iter().zip(summariser.channels) {
         let mut channel = of_channel.summariser.finish();
-        channel.column.clone_from(&stream.header()[columns.temp]);
-        let names = columns.axes.iter().map(|(_, column)| &column.name[..]);
+        channel.column.clone_from(&columns.column);
+        let names = columns.axes.iter().map(|column| &column.name[..]);
         let names: Vec<&str> = names.collect();
         findings.extend(of_channel.signals.finish(&channel.column, &names));
-        for (axis, (_, column)) in columns.axes.iter().enumerate() {
+        for (axis, column) in columns.axes.iter().enumerate() {
             let (factor, unit) = column
                 .unit
                 .in_axis_unit(interval_s, options.scale_factor_arcsec);

@@ -28,8 +28,8 @@ use grid::Sample;
 pub use log::{summarise_file, summarise_log};
 
 use tempco::{Interval, Thermal, ThermalPoint, ThermalState};
-use tempco_log::{AxisUnit, Reading};
 use tempco_log::signals::Finding;
+use tempco_log::{AxisUnit, Reading};
 use tempco_set::Stretch;
 
 /// What must be known before a log is summarised; see [`FitOptions::plan`](crate::FitOptions::plan).

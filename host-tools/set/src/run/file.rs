@@ -70,7 +70,7 @@ fn axes<'a>(
 ) -> impl Iterator<Item = (LogAxis<'a>, f64)> {
     let channels = stream.channels().iter().enumerate();
     channels.flat_map(move |(channel, columns)| {
-        columns.axes.iter().map(move |(_, axis)| {
+        columns.axes.iter().map(move |axis| {
             let (factor, unit) = axis
                 .unit
                 .in_axis_unit(log.interval_s, options.scale_factor_arcsec);
