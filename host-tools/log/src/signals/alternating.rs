@@ -12,6 +12,10 @@ const TURN: usize = 12;
 /// window is within 1/240 of the sampling frequency of such a turn.
 const WINDOW_ROWS: usize = 20 * TURN;
 
+/// All of so many windows are judged, then every so many one.
+const ALL_WINDOWS: usize = 64;
+const SOME_WINDOWS: usize = 8;
+
 /// The means of sources differ by more than so many standard deviations of single rows. Of one
 /// source, the means of a window differ by 0.7 of them ...
 const SIGMAS: f64 = 3.0;
@@ -32,6 +36,8 @@ pub(super) struct Alternating {
     /// The temperature, then the axes.
     columns: Vec<Column>,
     rows: usize,
+    /// Windows that were judged.
+    judged: usize,
     /// Time of the first row of the window \[s\].
     from_s: f64,
 }
@@ -77,6 +83,25 @@ impl Column {
         }
     }
 
+    /// Some rows of a window, the first at a place.
+    #[inline]
+    fn rows(&mut self, place: usize, is_first_turn: bool, values: impl Iterator<Item = f64>) {
+        let numbered = (place..).zip(values);
+        match is_first_turn {
+            true => numbered.for_each(|(place, value)| self.begin(place, value)),
+            false => numbered.for_each(|(place, value)| self.row(place % TURN, value)),
+        }
+    }
+
+    /// A row of the window's first turn.
+    fn begin(&mut self, place: usize, value: f64) {
+        if place == 0 {
+            (self.sums, self.squares, self.base) = ([0.0; TURN], [0.0; TURN], value);
+        }
+        self.before[place] = value;
+        self.sums[place] = value - self.base;
+    }
+
     #[inline]
     fn row(&mut self, place: usize, value: f64) {
         let change = value - self.before[place];
@@ -90,19 +115,13 @@ impl Column {
         self.steps[place] = self.steps[place].min(size);
     }
 
-    /// The first turn has changed from nothing.
-    fn end_first_turn(&mut self) {
-        self.squares = [0.0; TURN];
-        self.steps = [f64::INFINITY; TURN];
-    }
-
-    /// Judges a window, and begins the next one.
+    /// Judges the window.
     fn end_window(&mut self, from_s: f64, to_s: f64) {
         let means = self
             .sums
             .map(|sum| sum * (TURN as f64 / WINDOW_ROWS as f64));
         let squares: f64 = self.squares.iter().sum();
-        let sigma = (squares / (2.0 * WINDOW_ROWS as f64)).sqrt();
+        let sigma = (squares / (2 * (WINDOW_ROWS - TURN)) as f64).sqrt();
         let step = self.steps.iter().copied().fold(f64::INFINITY, f64::min);
         let differ_by = range(means.into_iter());
         // Of values that all repeat, no step is known.
@@ -122,8 +141,6 @@ impl Column {
                 (found.differ_by, found.sigma) = (differ_by, sigma);
             }
         }
-        (self.sums, self.squares) = ([0.0; TURN], [0.0; TURN]);
-        self.base = self.before[0];
     }
 }
 
@@ -138,6 +155,7 @@ impl Alternating {
         Self {
             columns: vec![Column::new(); 1 + axes],
             rows: 0,
+            judged: 0,
             from_s: 0.0,
         }
     }
@@ -145,29 +163,29 @@ impl Alternating {
     pub(super) fn take(&mut self, time_s: &[f64], temp_c: &[f32], axes: &[&[f64]]) {
         let mut start = 0;
         while start < time_s.len() {
-            // Up to the end of the window, of the very first turn, or of the chunk.
+            // Up to the end of the window's first turn, of the window, or of the chunk.
             let place = self.rows % WINDOW_ROWS;
-            let wanted = if self.rows < TURN { TURN } else { WINDOW_ROWS };
+            let is_first_turn = place < TURN;
+            let wanted = if is_first_turn { TURN } else { WINDOW_ROWS };
             let end = time_s.len().min(start + wanted - place);
-            if place == 0 {
-                self.from_s = time_s[start];
-            }
-            let (temperature, others) = self.columns.split_first_mut().expect("a temperature");
-            for (place, &temp_c) in (place..).zip(&temp_c[start..end]) {
-                temperature.row(place % TURN, f64::from(temp_c));
-            }
-            for (column, values) in others.iter_mut().zip(axes) {
-                for (place, &value) in (place..).zip(&values[start..end]) {
-                    column.row(place % TURN, value);
-                }
-            }
+            let window = self.rows / WINDOW_ROWS;
+            let is_judged = window < ALL_WINDOWS || window.is_multiple_of(SOME_WINDOWS);
             self.rows += end - start;
-            if self.rows == TURN {
-                self.columns.iter_mut().for_each(Column::end_first_turn);
-            }
-            if self.rows.is_multiple_of(WINDOW_ROWS) {
-                for column in &mut self.columns {
-                    column.end_window(self.from_s, time_s[end - 1]);
+            if is_judged {
+                if place == 0 {
+                    self.from_s = time_s[start];
+                }
+                let (temperature, others) = self.columns.split_first_mut().expect("a temperature");
+                let temps_c = temp_c[start..end].iter().map(|&temp_c| f64::from(temp_c));
+                temperature.rows(place, is_first_turn, temps_c);
+                for (column, values) in others.iter_mut().zip(axes) {
+                    column.rows(place, is_first_turn, values[start..end].iter().copied());
+                }
+                if self.rows.is_multiple_of(WINDOW_ROWS) {
+                    self.judged += 1;
+                    for column in &mut self.columns {
+                        column.end_window(self.from_s, time_s[end - 1]);
+                    }
                 }
             }
             start = end;
@@ -176,8 +194,7 @@ impl Alternating {
 
     /// The temperature if its rows take turns, otherwise the axis with the most such windows.
     pub(super) fn finish(self) -> Vec<Place> {
-        let windows = self.rows / WINDOW_ROWS;
-        let least = (SHARE * windows as f64).max(LEAST_WINDOWS as f64);
+        let least = (SHARE * self.judged as f64).max(LEAST_WINDOWS as f64);
         let takes_turns = |column: &&Column| column.found.windows as f64 >= least;
         let columns = self.columns.iter().filter(takes_turns).count();
         let numbered = self.columns.iter().enumerate();
@@ -192,7 +209,7 @@ impl Alternating {
             };
             Place {
                 axis: number.checked_sub(1),
-                rows: found.windows * WINDOW_ROWS,
+                rows: self.rows * found.windows / self.judged,
                 from_s: found.from_s,
                 to_s: found.to_s,
                 detail: format!(

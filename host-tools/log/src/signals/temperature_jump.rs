@@ -3,6 +3,8 @@
 //! A counter of the sensor folded, a sign or a decimal went missing, or the unit changed on the way.
 //! Spikes return at once, and the core leaves them out.
 
+use tempco::ThermalSettings;
+
 use super::Place;
 
 /// Smaller changes are never a jump \[degC\]. The core's own gate is 2 degC.
@@ -46,6 +48,8 @@ pub(super) struct TemperatureJump {
     /// The level that the last rows have jumped to.
     away: Option<(Level, Jump)>,
     found: Option<Found>,
+    /// What was found before the last jump.
+    found_before: Option<Found>,
 }
 
 /// A temperature that changes no faster than a part can.
@@ -102,14 +106,30 @@ impl Level {
         change_c <= moved_c.max(RATIO * self.largest_c)
     }
 
+    /// Goes on to the next temperature, without a branch: of coarse steps no processor can guess
+    /// whether the next one changes.
     #[inline]
     fn go_on(&mut self, temp_c: f64, time_s: f64) {
+        let change_c = (temp_c - self.temp_c).abs();
+        let (memory, changed_s) = match change_c > 0.0 {
+            true => (MEMORY, time_s),
+            false => (1.0, self.changed_s),
+        };
+        self.largest_c = change_c.max(memory * self.largest_c);
+        self.changed_s = changed_s;
+        self.temp_c = temp_c;
         self.rows += 1;
-        if temp_c != self.temp_c {
-            let change_c = (temp_c - self.temp_c).abs();
-            self.largest_c = change_c.max(self.largest_c * MEMORY);
-            (self.temp_c, self.changed_s) = (temp_c, time_s);
-        }
+    }
+
+    /// A sensor that is open or short reads one value, which the core leaves out.
+    fn is_rail(&self) -> bool {
+        let ThermalSettings {
+            sensor_min_c,
+            sensor_max_c,
+            ..
+        } = ThermalSettings::DEFAULT;
+        let range_c = f64::from(sensor_min_c)..=f64::from(sensor_max_c);
+        self.largest_c == 0.0 && !range_c.contains(&self.temp_c)
     }
 
     fn lasts(&self, time_s: f64) -> bool {
@@ -123,21 +143,36 @@ impl TemperatureJump {
             rows: 0,
             last_s: 0.0,
             first_s: 0.0,
-            level: Level::new(0.0, 0.0),
+            // No row is near it.
+            level: Level::new(f64::NAN, 0.0),
             away: None,
             found: None,
+            found_before: None,
         }
     }
 
     pub(super) fn take(&mut self, time_s: &[f64], temp_c: &[f32], _axes: &[&[f64]]) {
+        // The level is kept in registers; nearly all rows are near it.
+        let (mut level, mut last_s) = (self.level, self.last_s);
         for (&time_s, &temp_c) in time_s.iter().zip(temp_c) {
-            self.row(time_s, f64::from(temp_c));
+            let (temp_c, interval_s) = (f64::from(temp_c), time_s - last_s);
+            let is_near = (temp_c - level.temp_c).abs() <= LEAST_C && interval_s <= GAP_S;
+            if is_near && self.away.is_none() {
+                level.go_on(temp_c, time_s);
+            } else {
+                (self.level, self.last_s) = (level, last_s);
+                self.unusual(time_s, temp_c, interval_s);
+                level = self.level;
+            }
+            self.rows += 1;
+            last_s = time_s;
         }
+        (self.level, self.last_s) = (level, last_s);
     }
 
-    #[inline]
-    fn row(&mut self, time_s: f64, temp_c: f64) {
-        let interval_s = time_s - self.last_s;
+    /// A row after a pause, or far from the level, or the first.
+    #[cold]
+    fn unusual(&mut self, time_s: f64, temp_c: f64, interval_s: f64) {
         if self.rows == 0 || (interval_s > GAP_S && self.is_gap(interval_s)) {
             self.first_s += interval_s;
             self.away = None;
@@ -147,8 +182,6 @@ impl TemperatureJump {
         } else {
             self.far(time_s, temp_c, interval_s);
         }
-        self.rows += 1;
-        self.last_s = time_s;
     }
 
     fn is_gap(&self, interval_s: f64) -> bool {
@@ -158,7 +191,6 @@ impl TemperatureJump {
     }
 
     /// A row that is far from the level, or follows such a row.
-    #[cold]
     fn far(&mut self, time_s: f64, temp_c: f64, interval_s: f64) {
         if let Some((away, jump)) = &mut self.away {
             let (back_c, on_c) = (temp_c - self.level.temp_c, temp_c - away.temp_c);
@@ -173,8 +205,12 @@ impl TemperatureJump {
                 if away.lasts(time_s) {
                     // A part that heats fast goes on to do so after the first large change.
                     let size_c = (jump.to_c - jump.from_c).abs();
-                    let sudden = size_c > RATIO * away.largest_c;
-                    if sudden && self.level.lasts(jump.time_s) {
+                    let is_sudden = size_c > RATIO * away.largest_c;
+                    if self.level.is_rail() {
+                        // A sensor that was open is back.
+                        self.found = self.found_before;
+                    } else if is_sudden && self.level.lasts(jump.time_s) {
+                        self.found_before = self.found;
                         let found = self.found.get_or_insert(Found {
                             first: *jump,
                             jumps: 0,
@@ -365,6 +401,23 @@ mod tests {
             log.temp_c[middle..].iter_mut().for_each(|t| *t -= 40.0);
             assert_eq!(found(&log), []);
         }
+    }
+
+    #[test]
+    fn a_sensor_may_be_open_for_a_time() {
+        let log = chamber(0.2, 0.02, (-10.0, 50.0), 1);
+        let rows = log.temp_c.len();
+        let to = |end, read_c| {
+            changed(log.clone(), |row, t| match (9000..end).contains(&row) {
+                true => read_c,
+                false => t,
+            })
+        };
+        assert_eq!(found(&to(9900, 199.0)), []);
+        assert_eq!(found(&to(9900, -99.0)), []);
+        // The core does not leave out what a sensor can read, and an open sensor is named.
+        assert_eq!(found(&to(9900, 85.0))[0].rows, 2);
+        assert_eq!(found(&to(rows, 199.0))[0].rows, 1);
     }
 
     #[test]
