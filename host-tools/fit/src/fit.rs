@@ -16,7 +16,7 @@ use crate::options::FitOptions;
 use crate::outliers;
 use crate::spline::{self, Choice, Chosen, FixedLag, Question};
 use crate::summary::{ChannelData, LogSummary, summarise_log};
-use crate::{segments, statistics};
+use crate::{extent, segments, statistics};
 
 /// The whole log must span this much for a fit to mean anything \[degC\].
 const LEAST_SPAN_C: f32 = 10.0;
@@ -105,9 +105,11 @@ fn fit_channel(
 ) -> Result<ChannelSet, FitError> {
     // What does not belong goes first, so that no later step sees it.
     check_rows(data)?;
-    let screening =
+    let mut screening =
         outliers::leave_out(data, &options.thermal, options.robust).map_err(FitError::Settings)?;
     check_rows(data)?;
+    let extent = extent::of(data, options.thermal.max_slew_c_per_min.into());
+    screening.extent = extent.is_thin().then_some(extent);
     // Without a range of temperature there is nothing to fit.
     let (t_min_c, t_max_c) = data.range(|block| block.effective_range_c);
     let span_c = t_max_c - t_min_c;

@@ -24,6 +24,7 @@
 pub mod batch;
 mod channel_fit;
 mod error;
+mod extent;
 mod fit;
 pub mod least_squares;
 mod method;

@@ -25,8 +25,11 @@ pub(crate) fn note(
     tau_s: f64,
 ) -> Result<(), TableError> {
     for (channel, data) in set.channels.iter_mut().zip(channels) {
-        // Disturbed blocks are not fitted, but they are judged.
-        *data = ChannelData::new(data.logs, data.channel);
+        // Disturbed blocks are not fitted, but they are judged. Steps of the bias stay out.
+        *data = ChannelData {
+            offsets: std::mem::take(&mut data.offsets),
+            ..ChannelData::new(data.logs, data.channel)
+        };
         let blocks = Blocks::new(data);
         let cubics = Cubics::fit(data);
         let tau_s = whole_blocks_s(data, tau_s);
@@ -148,8 +151,9 @@ impl Pool {
         for (log, of_log) in of_logs.into_iter().enumerate() {
             let all = &data.of(log).blocks;
             let residuals = of_log.iter().map(|(block, bias)| {
-                let axis = &all[block.position].moments.axes[axis];
-                (*block, axis.mean - *bias, axis.squares)
+                let spread = &all[block.position].moments.axes[axis];
+                let offset = data.offset(log, block.position, axis);
+                (*block, spread.mean - offset - *bias, spread.squares)
             });
             pool.add(
                 (data.logs[log].interval_s, all[0].from_s),
@@ -236,11 +240,13 @@ impl Cubics {
             coefficients: vec![Vec::new(); data.axes()],
         };
         let mut factor = RFactor::new(4, data.axes());
-        for (log, _, block) in data.blocks() {
+        for (log, position, block) in data.blocks() {
             let z = cubics.z(&block.moments);
             let squares = block.moments.axes.iter().map(|axis| axis.squares);
             let row = [1.0, z, z * z, z * z * z];
-            let row = row.into_iter().chain(data.levelled(log, &block.moments));
+            let row = row
+                .into_iter()
+                .chain(data.levelled((log, position), &block.moments));
             factor.push_mean(block.moments.rows, row, squares);
         }
         // Data that cannot carry a cubic can carry fewer powers; a constant always.

@@ -94,6 +94,15 @@ codes! {
         AlternatingSources = "alternating_sources":
             "Rows of several sources take turns.",
             "Write a log for each source, and fit each alone.";
+        DisturbedShare = "disturbed_share":
+            "An axis is far from what temperature explains in more of a log than may be left out.",
+            "Do not use the set. Leave the times out with `--exclude`, or record the log again with the unit at rest.";
+        LargeBiasStep = "large_bias_step":
+            "The bias of an axis steps by more than that of a unit at rest can.",
+            "Do not use the set. Leave the times out with `--exclude`, or record the log again with the unit at rest.";
+        ThinRun = "thin_run":
+            "The logs cover fewer than 15 degC, or hold fewer than 20 means of 10 s.",
+            "Do not use the set. Record a longer run over a wider range, up and down.";
     }
 }
 
@@ -169,6 +178,18 @@ codes! {
         Fahrenheit = "fahrenheit":
             "The temperatures look like degrees Fahrenheit.",
             "If they are, convert them to degC and fit again.";
+        FewMeans = "few_means":
+            "The logs hold fewer than 60 means of 10 s.",
+            "Record a longer run.";
+        OneDirection = "one_direction":
+            "The logs only heat the unit, or only cool it.",
+            "Calibrate up and down, or lag and hysteresis cannot be seen.";
+        FastTemperature = "fast_temperature":
+            "The temperature changes faster than the core follows.",
+            "Heat and cool more slowly. If the unit changes so fast in use, raise `--max-slew`.";
+        ResidualAboveNoise = "residual_above_noise":
+            "What the model leaves of an axis is far above the noise of its rows.",
+            "Look for a wrong temperature, vibration or motion. Fit with `--model auto`, which knows more lags.";
     }
 }
 

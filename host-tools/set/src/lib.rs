@@ -5,7 +5,7 @@
 //!
 //! | modules | what they do |
 //! | --- | --- |
-//! | `set`, `axis`, `table`, `history`, `provenance`, `screening`, `selection`, `model_kind` | the records that `coefficients.json` holds |
+//! | `set`, `axis`, `table`, `history`, `provenance`, `screening`, `extent`, `selection`, `model_kind` | the records that `coefficients.json` holds |
 //! | `judgement` | the verdict on a set, with rejections and warnings |
 //! | `segment`, `model` | segments of temperature and the polynomials in them |
 //! | `tabulate`, [`build`] | fitted polynomials to a table and a set |
@@ -23,6 +23,7 @@ mod check;
 mod dispatch;
 mod emit;
 pub mod escape;
+mod extent;
 pub mod files;
 mod folder;
 mod history;
@@ -45,6 +46,7 @@ pub use axis::{AxisSet, AxisStatistics, CoefficientSigmas, GainSet, NoiseSet};
 pub use check::SCALE_FACTORS_ARCSEC;
 pub use dispatch::{ShapeUse, TableUse, use_axis, use_shape, use_tables};
 pub use emit::{set_of_image, table_bin, table_h, table_rs};
+pub use extent::{Extent, TooFast};
 pub use folder::{MARK, REPORT, TABLE_BIN, WriteError, file_names, strangers, write_set};
 pub use history::{PlayData, SlowPartData, Term};
 pub use judgement::{Judgement, Rejection, RejectionCode, Verdict, Warning, WarningCode};
@@ -53,7 +55,7 @@ pub use model::{AxisModel, LOCAL_TERMS, Mismatch, Polynomial, TERMS};
 pub use model_kind::Model;
 pub use provenance::{Input, Provenance, SignOff};
 pub use rounding::RoundingBound;
-pub use screening::{BiasStep, Screening, Stretch};
+pub use screening::{BiasStep, Disturbance, Screening, Stretch};
 pub use segment::{Overlap, Piece, Segment, SegmentError, Segmentation};
 pub use selection::{Candidate, HeldOutErrors, Place, Selection};
 pub use set::{

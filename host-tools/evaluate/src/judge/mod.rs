@@ -10,6 +10,7 @@
 
 mod merit;
 mod of_log;
+mod of_screening;
 mod of_set;
 mod of_signals;
 

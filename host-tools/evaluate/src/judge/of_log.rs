@@ -32,6 +32,7 @@ pub fn sign_off(evaluation: &Evaluation) -> SignOff {
 }
 
 pub(super) fn judge_sign_off(last: &SignOff, judgement: &mut Judgement) {
+    judgement.rejections.extend_from_slice(&last.rejections);
     if !last.accepted {
         let found = format!(
             "compensation does not help on {}, as signed off at {}",
@@ -51,7 +52,6 @@ pub(super) fn judge_sign_off(last: &SignOff, judgement: &mut Judgement) {
             });
         }
     }
-    judgement.rejections.extend_from_slice(&last.rejections);
     judgement.warnings.extend_from_slice(&last.warnings);
 }
 

@@ -1,11 +1,12 @@
 //! What a set says of its own fit and its table.
 
 use tempco_set::{
-    AxisSet, ChannelSet, CoefficientSet, Judgement, Model, Rejection, RejectionCode, Screening,
-    SegmentSet, TERMS, Warning, WarningCode,
+    AxisSet, ChannelSet, CoefficientSet, Judgement, Model, Rejection, RejectionCode, SegmentSet,
+    TERMS, Warning, WarningCode,
 };
 
 use super::merit::{Merit, no_better_than_none};
+use super::of_screening;
 use super::of_signals;
 use crate::text::figure;
 
@@ -24,6 +25,15 @@ const LARGE_MOVE_C: f64 = 0.01;
 /// A rounding bound beyond this share of the compensated bias stability is worth a warning.
 const LARGE_ROUNDING: f64 = 0.01;
 
+/// What remains of means is far above the noise of rows beyond this factor ...
+const FAR_ABOVE_NOISE: f64 = 10.0;
+
+/// ... and it is much if it is more than this share of what there was.
+const MUCH_LEFT: f64 = 0.3;
+
+/// The least variance of rows about their means, as a share of the variance of rows.
+const LEAST_NOISE: f64 = 1e-4;
+
 pub(super) fn judge(set: &CoefficientSet, judgement: &mut Judgement) {
     // Spoilt logs come first: what else is wrong may follow from them.
     let is_axis = |column: &str| set.axes().any(|(_, axis)| axis.name == column);
@@ -37,10 +47,14 @@ pub(super) fn judge(set: &CoefficientSet, judgement: &mut Judgement) {
             judgement.rejections.extend(rejections(channel, number));
             let errors = held_out(axis);
             judgement.warnings.extend(errors);
+            judgement.warnings.extend(above_noise(channel, axis));
         }
+        judgement
+            .rejections
+            .extend(of_screening::rejections(channel));
         let warnings = &mut judgement.warnings;
         if let Some(screening) = &channel.screening {
-            warn_of_screening(&channel.temperature, screening, warnings);
+            of_screening::warn(channel, screening, warnings);
         }
         warn_of_terms(set.settings.model, channel, warnings);
         for segment in &channel.segments {
@@ -114,32 +128,34 @@ fn held_out(axis: &AxisSet) -> Option<Warning> {
     ))
 }
 
-fn warn_of_screening(temperature: &str, found: &Screening, warnings: &mut Vec<Warning>) {
-    use WarningCode::{BiasStep, DisturbedRows, ExcludedRows, Spikes};
-    let counts = [
-        (ExcludedRows, found.excluded_rows, "in excluded stretches"),
-        (Spikes, found.spike_rows, "spikes"),
-        (
-            DisturbedRows,
-            found.disturbed_rows,
-            "disturbed for 10 s or more",
-        ),
-    ];
-    for (code, rows, why) in counts.into_iter().filter(|(_, rows, _)| *rows > 0) {
-        let message = format!("{temperature}: {rows} rows left out: {why}");
-        warnings.push(Warning::new(code, message));
+/// What the model leaves of an axis, where it is far above what the noise of rows leaves of their
+/// means, and much of what there was. What is known to be disturbed is said elsewhere.
+fn above_noise(channel: &ChannelSet, axis: &AxisSet) -> Option<Warning> {
+    let of = axis.statistics.filter(|of| of.n > 1)?;
+    let disturbed = channel.screening.iter().flat_map(|of| &of.disturbances);
+    if disturbed.into_iter().any(|of| of.axis == axis.name) {
+        return None;
     }
-    for step in &found.steps {
-        warnings.push(Warning {
-            code: BiasStep,
-            axis: Some(step.axis.clone()),
-            message: format!(
-                "{}: the bias of {} steps by {:+.3e} at {:.0} s; leave the stretch out by \
-                 --exclude if it is not of the unit",
-                step.file, step.axis, step.size, step.time_s
+    // The noise of rows is what their means do not show. As a difference it has a least size.
+    let rows_per_mean = of.rows as f64 / of.n as f64;
+    let variance = of.rmse_compensated.powi(2);
+    let noise = (variance - of.sigma_compensated.powi(2)).max(LEAST_NOISE * variance);
+    let ratio = of.sigma_compensated / (noise / rows_per_mean).sqrt();
+    let share = of.sigma_compensated / of.sigma_raw;
+    (ratio > FAR_ABOVE_NOISE && share > MUCH_LEFT).then(|| {
+        Warning::of_axis(
+            WarningCode::ResidualAboveNoise,
+            &axis.name,
+            format_args!(
+                "means over {} s keep {} {} of {}, {ratio:.0} times what the noise of their rows \
+                 explains",
+                of.tau_s,
+                figure(of.sigma_compensated),
+                axis.unit,
+                figure(of.sigma_raw)
             ),
-        });
-    }
+        )
+    })
 }
 
 /// Terms that the model could have and does not.

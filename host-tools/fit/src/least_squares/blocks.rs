@@ -12,7 +12,7 @@ pub(crate) struct Blocks {
     pub(crate) blocks: Vec<Block>,
     /// Temperature \[degC\].
     pub(crate) temp_c: Vec<f64>,
-    /// For each axis, the mean of its rows less the mean over the log.
+    /// For each axis, the mean of its rows less the steps in the log and the mean over it.
     pub(crate) raw: Vec<Vec<f64>>,
     /// For each log and axis, the mean that was taken out.
     pub(crate) log_means: Vec<Vec<f64>>,
@@ -46,8 +46,8 @@ impl Blocks {
                 weight: block.moments.rows as f64,
             });
             temp_c.push(block.moments.temp_c);
-            for (raw, axis) in raw.iter_mut().zip(&block.moments.axes) {
-                raw.push(axis.mean);
+            for (axis, (raw, spread)) in raw.iter_mut().zip(&block.moments.axes).enumerate() {
+                raw.push(spread.mean - data.offset(log, position, axis));
             }
         }
         let mut log_means = vec![vec![0.0; data.axes()]; data.logs.len()];
@@ -71,7 +71,7 @@ impl Blocks {
         }
     }
 
-    /// Value of an axis in a block, less only the constant bias of its log.
+    /// Value of an axis in a block, less only the steps in its log and the constant bias of it.
     pub(crate) fn levelled(&self, axis: usize, block: usize) -> f64 {
         let log = self.blocks[block].log;
         self.raw[axis][block] + self.log_means[log][axis] - self.constants[log][axis]

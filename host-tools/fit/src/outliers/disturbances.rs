@@ -1,19 +1,17 @@
 //! Blocks that are far from what temperature and its rate explain.
 
 use tempco::{TableError, ThermalSettings};
+use tempco_log::AxisUnit;
 use tempco_log::median::median;
-use tempco_set::BiasStep;
+use tempco_set::{BiasStep, Disturbance};
 
-use crate::least_squares::{Basis, Blocks, Gram, RateForm, SparseRow, dot};
-use crate::outliers::{SIGMA_PER_MAD, steps};
-use crate::summary::ChannelData;
+use crate::least_squares::{Basis, Block, Blocks, Gram, RateForm, SparseRow, dot};
+use crate::outliers::leaps::{self, Leaps, Series};
+use crate::outliers::{SIGMA_PER_MAD, gaps, steps};
+use crate::summary::{ChannelData, Offset};
 
 /// Blocks further from the fit than this many standard deviations are left out.
 const LIMIT: f64 = 6.0;
-
-/// Where more blocks than this share would be left out, it is the model that does not fit, not
-/// the data: then none is.
-const MOST_SHARE: f64 = 0.05;
 
 /// Fits and rejections in turn until nothing changes, at most so many times.
 const ROUNDS: usize = 6;
@@ -29,12 +27,22 @@ const SLOWER: f64 = 10.0;
 /// stays in the fit and is otherwise forgotten.
 pub(super) struct Reference {
     blocks: Blocks,
+    /// The leaps of each log.
+    leaps: Vec<Leaps>,
+    parts: Parts,
+    fitted: Fitted,
+}
+
+/// What the reference leaves.
+struct Fitted {
     /// For each block, whether it stays.
     keep: Vec<bool>,
     /// By axis and block; of left-out blocks as well.
     residuals: Vec<Vec<f64>>,
-    /// Of each log and axis.
-    constants: Vec<Vec<f64>>,
+    /// By axis, how far a residual of a usual block may be.
+    limits: Vec<f64>,
+    /// Of each part and axis: how far its constant is from the mean of all.
+    contrasts: Vec<Vec<f64>>,
 }
 
 /// Fits the reference; with `reject`, without the disturbed blocks.
@@ -44,20 +52,67 @@ pub(super) fn find(
     reject: bool,
 ) -> Result<Reference, TableError> {
     let blocks = Blocks::new(data);
-    let count = blocks.blocks.len();
+    // What leaps goes first, as it would bend the reference.
+    let leaps: Vec<Leaps> = match reject {
+        true => (0..blocks.logs())
+            .map(|log| leaps_of(data, &blocks, log))
+            .collect(),
+        false => Vec::new(),
+    };
+    let mut leap: Vec<bool> = leaps.iter().flat_map(|of| of.left_out.clone()).collect();
+    leap.resize(blocks.blocks.len(), false);
     let tau_s = f64::from(settings.tau_s);
-    let fast = blocks.rates(data, settings, tau_s)?;
-    let slow = blocks.rates(data, settings, (SLOWER * tau_s).min(2400.0))?;
+    let rates = [
+        blocks.rates(data, settings, tau_s)?,
+        blocks.rates(data, settings, (SLOWER * tau_s).min(2400.0))?,
+    ];
+    let least_sigmas = reject.then(|| white_sigmas(data, &blocks));
+    let fit = |parts: &Parts| fit(&blocks, &rates, parts, &leap, least_sigmas.as_deref());
+    let mut parts = Parts::new(&blocks, &leaps);
+    let mut fitted = fit(&parts);
+    // Across a gap the unit may have been switched off: its constant is then another one.
+    if reject && let Some(split) = gaps::split(&blocks, &parts.of_block, &leap) {
+        let apart = Parts::of(&blocks, split);
+        let free = fit(&apart);
+        let residuals = [&fitted.residuals, &free.residuals];
+        let same = gaps::joined(
+            &blocks,
+            [&parts.of_block, &apart.of_block],
+            residuals,
+            &free.contrasts,
+        );
+        if same != parts.of_block {
+            parts = Parts::of(&blocks, same);
+            fitted = fit(&parts);
+        }
+    }
+    Ok(Reference {
+        blocks,
+        leaps,
+        parts,
+        fitted,
+    })
+}
+
+/// Fits all blocks but those that leap. With `least_sigmas`, fits without what is disturbed.
+fn fit(
+    blocks: &Blocks,
+    [fast, slow]: &[Vec<f64>; 2],
+    parts: &Parts,
+    leap: &[bool],
+    least_sigmas: Option<&[f64]>,
+) -> Fitted {
+    let count = blocks.blocks.len();
     let (low, high) = Blocks::range(&blocks.temp_c);
     let segments = (((high - low) / LEAST_WIDTH_C) as usize).clamp(1, SEGMENTS);
     let edge = |k: usize| low + (high - low) * k as f64 / segments as f64;
     let edges = (0..=segments).map(edge).collect();
-    let basis = Basis::new(edges, RateForm::Line, blocks.logs());
+    let basis = Basis::new(edges, RateForm::Line, parts.count);
     let columns = basis.columns();
     let rows: Vec<SparseRow> = (0..count)
         .map(|i| {
             let mut row = SparseRow::new();
-            basis.row(blocks.blocks[i].log, blocks.temp_c[i], fast[i], &mut row);
+            basis.row(parts.of_block[i], blocks.temp_c[i], fast[i], &mut row);
             row.extend([
                 (columns, slow[i]),
                 (columns + 1, slow[i] * blocks.temp_c[i] / 100.0),
@@ -66,8 +121,8 @@ pub(super) fn find(
         })
         .collect();
 
-    let least_sigmas = white_sigmas(data, &blocks);
-    let mut keep = vec![true; count];
+    // Fit and rejection take turns until nothing changes.
+    let mut keep: Vec<bool> = leap.iter().map(|leap| !leap).collect();
     let mut solution = Vec::new();
     for _ in 0..ROUNDS {
         let mut gram = Gram::new(columns + 2, blocks.axes());
@@ -77,24 +132,110 @@ pub(super) fn find(
         solution = gram
             .solve()
             .unwrap_or_else(|| vec![vec![0.0; columns + 2]; blocks.axes()]);
-        if !reject {
+        let Some(least_sigmas) = least_sigmas else {
             break;
-        }
-        let now = undisturbed(&blocks, &rows, &solution, &least_sigmas);
-        let rejected = now.iter().filter(|&&keep| !keep).count();
-        if now == keep || rejected as f64 > MOST_SHARE * count as f64 {
+        };
+        let residuals = residuals(blocks, &rows, &solution);
+        let limits = limits(&residuals, leap, least_sigmas);
+        let quiet = undisturbed(blocks, &residuals, &limits);
+        let now: Vec<bool> = quiet
+            .iter()
+            .zip(leap)
+            .map(|(quiet, leap)| *quiet && !leap)
+            .collect();
+        // Where so many would go, it is the reference that does not fit: what disturbs leaps.
+        let rejected = (0..count).filter(|&i| !now[i] && !leap[i]).count();
+        if now == keep || rejected as f64 > Disturbance::MOST_SHARE * count as f64 {
             break;
         }
         keep = now;
     }
-    let residuals = residuals(&blocks, &rows, &solution);
-    let constants = constants(&blocks, basis.static_columns(), &solution);
-    Ok(Reference {
-        blocks,
+    let residuals = residuals(blocks, &rows, &solution);
+    Fitted {
+        limits: limits(
+            &residuals,
+            leap,
+            least_sigmas.unwrap_or(&vec![0.0; blocks.axes()]),
+        ),
+        contrasts: contrasts(parts.count, basis.static_columns(), &solution),
         keep,
         residuals,
-        constants,
+    }
+}
+
+fn leaps_of(data: &ChannelData, blocks: &Blocks, log: usize) -> Leaps {
+    let of_log = of_log(blocks, log);
+    let column = |figure: fn(&Block) -> f64| -> Vec<f64> {
+        blocks.blocks[of_log.clone()].iter().map(figure).collect()
+    };
+    let axes = data.of(log).axes.iter();
+    leaps::find(&Series {
+        times_s: &column(|block| block.time_s),
+        weights: &column(|block| block.weight),
+        values: blocks.raw.iter().map(|raw| &raw[of_log.clone()]).collect(),
+        at_rest: &axes.map(|axis| at_rest(axis.unit)).collect::<Vec<_>>(),
     })
+}
+
+/// The blocks of a log.
+fn of_log(blocks: &Blocks, log: usize) -> std::ops::Range<usize> {
+    let first = blocks.blocks.partition_point(|block| block.log < log);
+    first..blocks.blocks.partition_point(|block| block.log <= log)
+}
+
+/// How far the output of an axis at rest can step when the unit is turned to another place: twice
+/// the earth's rate, or any share of gravity. Pulses may be of any size; a pulse per arcsec is fine.
+fn at_rest(unit: AxisUnit) -> f64 {
+    const TWICE_EARTH_DPH: f64 = 31.0;
+    match unit {
+        AxisUnit::Dph | AxisUnit::PulsesPerS => TWICE_EARTH_DPH,
+        AxisUnit::Dps => TWICE_EARTH_DPH / 3600.0,
+        AxisUnit::Radps => (TWICE_EARTH_DPH / 3600.0).to_radians(),
+        AxisUnit::Mps2 | AxisUnit::G => f64::INFINITY,
+    }
+}
+
+/// Parts of logs with a constant each. A log without steps is one part.
+struct Parts {
+    /// Of each block, numbered through all logs.
+    of_block: Vec<usize>,
+    /// Of each log, the part with most rows: its constant is the constant of the log.
+    of_log: Vec<usize>,
+    count: usize,
+}
+
+impl Parts {
+    /// Of what leaps found in each log; without that, a part for each log.
+    fn new(blocks: &Blocks, leaps: &[Leaps]) -> Self {
+        let mut of_block: Vec<usize> = Vec::with_capacity(blocks.blocks.len());
+        for log in 0..blocks.logs() {
+            let first = of_block.iter().max().map_or(0, |last| last + 1);
+            match leaps.get(log) {
+                Some(leaps) => of_block.extend(leaps.parts.iter().map(|part| first + part)),
+                None => of_block.extend(of_log(blocks, log).map(|_| first)),
+            }
+        }
+        Self::of(blocks, of_block)
+    }
+
+    fn of(blocks: &Blocks, of_block: Vec<usize>) -> Self {
+        let count = of_block.iter().max().map_or(0, |last| last + 1);
+        let mut rows = vec![0.0; count];
+        for (part, block) in of_block.iter().zip(&blocks.blocks) {
+            rows[*part] += block.weight;
+        }
+        let home = |log: usize| {
+            let parts = of_block[of_log(blocks, log)].iter().copied();
+            parts
+                .max_by(|&a, &b| rows[a].total_cmp(&rows[b]))
+                .unwrap_or(0)
+        };
+        Self {
+            of_log: (0..blocks.logs()).map(home).collect(),
+            of_block,
+            count,
+        }
+    }
 }
 
 fn residuals(blocks: &Blocks, rows: &[SparseRow], solution: &[Vec<f64>]) -> Vec<Vec<f64>> {
@@ -125,41 +266,47 @@ fn white_sigmas(data: &ChannelData, blocks: &Blocks) -> Vec<f64> {
     (0..data.axes()).map(of_axis).collect()
 }
 
-/// For each block, whether all axes are within the limit of their own scale. A block of few rows
-/// may be further away, as its mean is noisier.
-fn undisturbed(
-    blocks: &Blocks,
-    rows: &[SparseRow],
-    solution: &[Vec<f64>],
-    least_sigmas: &[f64],
-) -> Vec<bool> {
-    let usual = usual_weight(blocks);
-    let mut keep = vec![true; rows.len()];
-    for (residuals, least) in residuals(blocks, rows, solution).iter().zip(least_sigmas) {
-        let mut distances: Vec<f64> = residuals.iter().map(|r| r.abs()).collect();
-        let limit = LIMIT * least.max(SIGMA_PER_MAD * median(&mut distances));
-        for ((residual, block), keep) in residuals.iter().zip(&blocks.blocks).zip(&mut keep) {
-            let allowed = limit * (usual / block.weight).sqrt().max(1.0);
-            *keep &= limit == 0.0 || residual.abs() <= allowed;
-        }
-    }
-    keep
+/// For each axis how far a residual may be; what leaps does not count.
+fn limits(residuals: &[Vec<f64>], leap: &[bool], least_sigmas: &[f64]) -> Vec<f64> {
+    let of_axis = |(residuals, least): (&Vec<f64>, &f64)| {
+        let quiet = residuals.iter().zip(leap).filter(|(_, leap)| !**leap);
+        let mut distances: Vec<f64> = quiet.map(|(r, _)| r.abs()).collect();
+        LIMIT * least.max(SIGMA_PER_MAD * median(&mut distances))
+    };
+    residuals.iter().zip(least_sigmas).map(of_axis).collect()
 }
 
-/// How far the constant of each log is from the mean of the logs.
-fn constants(blocks: &Blocks, first_log: usize, solution: &[Vec<f64>]) -> Vec<Vec<f64>> {
-    let logs = blocks.logs();
-    let of_axis = |axis: usize, log: usize| {
-        let contrasts = &solution[axis][first_log..first_log + logs - 1];
-        let contrast = match contrasts.get(log) {
+/// For each block, whether all axes are within the limit of their own scale.
+fn undisturbed(blocks: &Blocks, residuals: &[Vec<f64>], limits: &[f64]) -> Vec<bool> {
+    let usual = usual_weight(blocks);
+    let is_within = |i: usize| {
+        let axes = residuals.iter().zip(limits);
+        let mut axes = axes.map(|(residuals, limit)| (residuals[i], *limit));
+        axes.all(|(residual, limit)| !is_beyond(residual, limit, &blocks.blocks[i], usual))
+    };
+    (0..blocks.blocks.len()).map(is_within).collect()
+}
+
+/// A block of few rows may be further away, as its mean is noisier.
+fn is_beyond(residual: f64, limit: f64, block: &Block, usual: f64) -> bool {
+    limit > 0.0 && residual.abs() > limit * (usual / block.weight).sqrt().max(1.0)
+}
+
+/// How far the constant of each part is from the mean of all, by part and axis.
+fn contrasts(parts: usize, first: usize, solution: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let of_axis = |axis: usize, part: usize| {
+        let contrasts = &solution[axis][first..first + parts - 1];
+        match contrasts.get(part) {
             Some(contrast) => *contrast,
             None => -contrasts.iter().sum::<f64>(),
-        };
-        let means = blocks.log_means.iter().map(|means| means[axis]);
-        contrast + blocks.log_means[log][axis] - means.sum::<f64>() / logs as f64
+        }
     };
-    (0..logs)
-        .map(|log| (0..blocks.axes()).map(|axis| of_axis(axis, log)).collect())
+    (0..parts)
+        .map(|part| {
+            (0..solution.len())
+                .map(|axis| of_axis(axis, part))
+                .collect()
+        })
         .collect()
 }
 
@@ -171,7 +318,7 @@ impl Reference {
             .blocks
             .blocks
             .iter()
-            .zip(&self.keep)
+            .zip(&self.fitted.keep)
             .filter(|(_, k)| !**k)
         {
             data.keep[block.log][block.position] = false;
@@ -180,28 +327,128 @@ impl Reference {
         count
     }
 
+    /// How far the constant of each log and axis is from the mean of the logs.
     pub(super) fn constants(&self) -> Vec<Vec<f64>> {
-        self.constants.clone()
+        let logs = self.blocks.logs() as f64;
+        let of = |part: usize, axis: usize| self.fitted.contrasts[part][axis];
+        let homes = &self.parts.of_log;
+        let of_axis = |axis: usize, log: usize| {
+            let means = self.blocks.log_means.iter().map(|means| means[axis]);
+            // With a part for each log, the contrasts add up to 0.
+            let common = match self.parts.count == homes.len() {
+                true => 0.0,
+                false => homes.iter().map(|&home| of(home, axis)).sum::<f64>() / logs,
+            };
+            of(homes[log], axis) + self.blocks.log_means[log][axis]
+                - means.sum::<f64>() / logs
+                - common
+        };
+        (0..homes.len())
+            .map(|log| {
+                (0..self.blocks.axes())
+                    .map(|axis| of_axis(axis, log))
+                    .collect()
+            })
+            .collect()
     }
 
-    /// Steps of the bias that the reference does not explain, by log and time.
+    /// For each log, the steps between its parts.
+    pub(super) fn offsets(&self, data: &ChannelData) -> Vec<Vec<Offset>> {
+        let of_log = |log: usize| {
+            let home = &self.fitted.contrasts[self.parts.of_log[log]];
+            let mut offsets = Vec::new();
+            let mut last = self.parts.of_log[log];
+            for i in of_log(&self.blocks, log) {
+                let part = self.parts.of_block[i];
+                if part != last {
+                    let axes = self.fitted.contrasts[part].iter().zip(home);
+                    offsets.push(Offset {
+                        from: self.blocks.blocks[i].position,
+                        axes: axes.map(|(part, home)| part - home).collect(),
+                    });
+                }
+                last = part;
+            }
+            offsets
+        };
+        (0..data.logs.len()).map(of_log).collect()
+    }
+
+    /// What is disturbed, by log and axis.
+    pub(super) fn disturbances(&self, data: &ChannelData) -> Vec<Disturbance> {
+        let usual = usual_weight(&self.blocks);
+        let mut found = Vec::new();
+        for (log, leaps) in self.leaps.iter().enumerate() {
+            let range = of_log(&self.blocks, log);
+            let first = range.start;
+            for (axis, name) in data.of(log).axes.iter().enumerate() {
+                let is_disturbed = |&i: &usize| {
+                    let residual = self.fitted.residuals[axis][i];
+                    let block = &self.blocks.blocks[i];
+                    leaps.disturbed[axis][i - first]
+                        || !self.fitted.keep[i]
+                            && is_beyond(residual, self.fitted.limits[axis], block, usual)
+                };
+                let blocks: Vec<_> = range
+                    .clone()
+                    .filter(is_disturbed)
+                    .map(|i| &self.blocks.blocks[i])
+                    .collect();
+                let (Some(from), Some(to)) = (blocks.first(), blocks.last()) else {
+                    continue;
+                };
+                let rows = blocks.iter().map(|block| block.weight).sum::<f64>();
+                let all = &data.of(log).blocks;
+                found.push(Disturbance {
+                    file: data.logs[log].file.clone(),
+                    axis: name.name.clone(),
+                    rows: rows as usize,
+                    share: (rows / data.logs[log].rows as f64).min(1.0),
+                    from_s: all[from.position].from_s,
+                    to_s: all[to.position].to_s,
+                    left_out: !leaps.too_much,
+                });
+            }
+        }
+        found
+    }
+
+    /// Steps of the bias by log and time: between parts, and what the reference does not explain.
     pub(super) fn steps(&self, data: &ChannelData) -> Vec<BiasStep> {
         let mut found = Vec::new();
         for (number, log) in data.logs.iter().enumerate() {
-            let kept: Vec<usize> = (0..self.keep.len())
-                .filter(|&i| self.keep[i] && self.blocks.blocks[i].log == number)
-                .collect();
+            let range = of_log(&self.blocks, number);
+            // Blocks next to a step are far from the reference: only what leaps is not asked.
+            let first = range.start;
+            let leaps = self.leaps.get(number);
+            let leaps = |i: usize| leaps.is_some_and(|of| of.left_out[i - first]);
+            let kept: Vec<usize> = range.filter(|&i| !leaps(i)).collect();
             let times: Vec<f64> = kept.iter().map(|&i| self.blocks.blocks[i].time_s).collect();
             let axes = &data.of(number).axes;
-            for (axis, residuals) in axes.iter().zip(&self.residuals) {
-                let values: Vec<f64> = kept.iter().map(|&i| residuals[i]).collect();
-                let steps = steps::find(&times, &values).into_iter();
-                found.extend(steps.map(|(time_s, size)| BiasStep {
+            for (axis, of_axis) in axes.iter().enumerate() {
+                let step = |time_s: f64, size: f64, levelled: bool| BiasStep {
                     file: log.file.clone(),
-                    axis: axis.name.clone(),
+                    axis: of_axis.name.clone(),
                     time_s,
                     size,
-                }));
+                    levelled,
+                    large: levelled && size.abs() > self.leaps[number].large[axis],
+                };
+                for pair in kept.windows(2) {
+                    let [before, after] = [pair[0], pair[1]].map(|i| self.parts.of_block[i]);
+                    let size =
+                        self.fitted.contrasts[after][axis] - self.fitted.contrasts[before][axis];
+                    if before != after && size.abs() > self.fitted.limits[axis] {
+                        let time_s = |i: usize| self.blocks.blocks[i].time_s;
+                        found.push(step(0.5 * (time_s(pair[0]) + time_s(pair[1])), size, true));
+                    }
+                }
+                let values: Vec<f64> = kept
+                    .iter()
+                    .map(|&i| self.fitted.residuals[axis][i])
+                    .collect();
+                let steps = steps::find(&times, &values).into_iter();
+                found.extend(steps.map(|(time_s, size)| step(time_s, size, false)));
             }
         }
         found

@@ -2,13 +2,15 @@
 //! excludes. Also what belongs but needs care: the constant of each log, steps of the bias.
 
 mod disturbances;
+mod gaps;
+mod leaps;
 mod spikes;
 mod steps;
 
-pub(crate) use spikes::{SpikeFilter, window_rows};
+pub(crate) use spikes::{SpikeFilter, Spiked, window_rows};
 
 use tempco::{TableError, ThermalSettings};
-use tempco_set::Screening;
+use tempco_set::{Disturbance, Screening};
 
 use crate::summary::ChannelData;
 
@@ -26,18 +28,43 @@ pub(crate) fn leave_out(
     let mut screening = Screening {
         excluded_rows: logs().map(|log| log.excluded_rows).sum(),
         spike_rows: logs().map(|log| log.spike_rows).sum(),
+        spikes: spikes(data),
         ..Screening::default()
     };
     if robust || data.logs.len() > 1 {
         let found = disturbances::find(data, settings, robust)?;
         screening.disturbed_rows = found.leave_out(data);
+        screening.disturbances = found.disturbances(data);
         screening.steps = found.steps(data);
+        data.offsets = found.offsets(data);
         if data.logs.len() > 1 {
             screening.constants = found.constants();
             data.constants.clone_from(&screening.constants);
         }
     }
     Ok(screening)
+}
+
+/// Where the spikes are, by log and axis.
+fn spikes(data: &ChannelData) -> Vec<Disturbance> {
+    let mut found = Vec::new();
+    for (number, log) in data.logs.iter().enumerate() {
+        let channel = data.of(number);
+        let axes = channel.axes.iter().zip(&channel.spiked);
+        found.extend(
+            axes.filter(|(_, at)| at.rows > 0)
+                .map(|(axis, at)| Disturbance {
+                    file: log.file.clone(),
+                    axis: axis.name.clone(),
+                    rows: at.rows,
+                    share: at.rows as f64 / log.rows as f64,
+                    from_s: at.from_s,
+                    to_s: at.to_s,
+                    left_out: true,
+                }),
+        );
+    }
+    found
 }
 
 /// Standard deviation of normal values over their median distance from the median.

@@ -47,6 +47,17 @@ pub(crate) struct SpikeFilter {
     before: Option<Vec<f64>>,
     rows: usize,
     spikes: usize,
+    /// By axis.
+    places: Vec<Spiked>,
+}
+
+/// The spikes of an axis.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Spiked {
+    pub(crate) rows: usize,
+    /// Time of the first and the last one \[s\].
+    pub(crate) from_s: f64,
+    pub(crate) to_s: f64,
 }
 
 #[derive(Clone, Debug)]
@@ -80,6 +91,7 @@ impl SpikeFilter {
             before: None,
             rows: 0,
             spikes: 0,
+            places: vec![Spiked::default(); axes],
         }
     }
 
@@ -131,6 +143,11 @@ impl SpikeFilter {
         self.spikes
     }
 
+    /// Where the spikes of each axis are.
+    pub(crate) fn places(&self) -> Vec<Spiked> {
+        self.places.clone()
+    }
+
     /// For each axis the standard deviation of its white noise, as far as neighbouring rows tell it.
     pub(crate) fn white_sigmas(&self) -> Vec<f64> {
         let of_axis = |scale: &Scale| SIGMA_PER_STEP * median(&mut scale.steps.values().to_vec());
@@ -178,7 +195,15 @@ impl SpikeFilter {
                 continue;
             }
             let is_spike = |&row: &usize| rows.keep[row] && distance(values[row], levels) > limit;
-            spikes.extend((0..values.len()).filter(is_spike));
+            let place = &mut self.places[axis];
+            for row in (0..values.len()).filter(is_spike) {
+                if place.rows == 0 {
+                    place.from_s = rows.time_s[row];
+                }
+                place.to_s = rows.time_s[row];
+                place.rows += 1;
+                spikes.push(row);
+            }
         }
         let mut window = self.waiting.pop_front().expect("a window waits");
         for row in spikes {

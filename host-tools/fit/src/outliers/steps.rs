@@ -4,11 +4,15 @@ use tempco_log::median::median;
 
 use crate::outliers::SIGMA_PER_MAD;
 
-/// Means over this long before and after are compared \[s\] ...
+/// Means over this long before and after are compared \[s\], in a short log over this share of it ...
 const LASTING_S: f64 = 1200.0;
+const LASTING_SHARE: f64 = 1.0 / 20.0;
 
-/// ... and over this long, which a slow change does not pass \[s\].
-const SUDDEN_S: f64 = 120.0;
+/// ... and over this share of that, which a slow change does not pass.
+const SUDDEN_SHARE_OF_TIME: f64 = 0.1;
+
+/// A mean over less is of too few blocks \[s\].
+const LEAST_S: f64 = 30.0;
 
 /// A step is this many times the usual difference of the means.
 const LIMIT: f64 = 6.0;
@@ -21,6 +25,15 @@ const SUDDEN_SHARE: f64 = 0.6;
 
 /// Times and sizes of steps.
 pub(super) fn find(times_s: &[f64], values: &[f64]) -> Vec<(f64, f64)> {
+    let length_s = match times_s {
+        [first, .., last] => last - first,
+        _ => return Vec::new(),
+    };
+    let lasting_s = LASTING_S.min(LASTING_SHARE * length_s);
+    let sudden_s = (SUDDEN_SHARE_OF_TIME * lasting_s).max(LEAST_S);
+    if lasting_s < 2.0 * sudden_s {
+        return Vec::new();
+    }
     let sums: Vec<f64> = std::iter::once(0.0)
         .chain(values.iter().scan(0.0, |sum, value| {
             *sum += value;
@@ -42,8 +55,8 @@ pub(super) fn find(times_s: &[f64], values: &[f64]) -> Vec<(f64, f64)> {
         let usual = SIGMA_PER_MAD * median(&mut sizes);
         (found, usual)
     };
-    let (lasting, usual) = differences(LASTING_S);
-    let (sudden, usual_sudden) = differences(SUDDEN_S);
+    let (lasting, usual) = differences(lasting_s);
+    let (sudden, usual_sudden) = differences(sudden_s);
     let limit = LIMIT * usual;
     let mut steps = Vec::new();
     let mut peaks: Vec<f64> = Vec::new();
@@ -55,7 +68,7 @@ pub(super) fn find(times_s: &[f64], values: &[f64]) -> Vec<(f64, f64)> {
     for i in order {
         let (time_s, size) = (times_s[i], size_at(i));
         // What is near a larger change is its flank.
-        let near = |peak: &f64| (time_s - peak).abs() < 2.0 * LASTING_S;
+        let near = |peak: &f64| (time_s - peak).abs() < 2.0 * lasting_s;
         if peaks.iter().any(near) {
             continue;
         }

@@ -95,7 +95,7 @@ fn rows_of(
     let ranges = segmentation.fit_ranges(overlap);
     let mut rows = vec![SegmentRows::new(data.axes()); ranges.len()];
     let mut outside = 0;
-    for (log, _, block) in data.blocks() {
+    for (log, position, block) in data.blocks() {
         let moments = &block.moments;
         let temp_c = moments.effective_c.mean;
         let time_s = moments.rows as f64 * data.logs[log].interval_s;
@@ -104,7 +104,7 @@ fn rows_of(
             if temp_c >= range.t_min_c && temp_c <= range.t_max_c {
                 let place = place(segment, range, moments);
                 let squares = moments.axes.iter().map(|axis| axis.squares);
-                let raw = data.levelled(log, moments).zip(squares);
+                let raw = data.levelled((log, position), moments).zip(squares);
                 rows.push_mean(&place, (moments.rows, time_s), raw);
                 taken = true;
             }

@@ -113,10 +113,12 @@ impl<'a> ChannelSummariser<'a> {
         self.close_window();
         let mut white_sigmas = vec![0.0; self.window.axes.len()];
         let mut spike_rows = 0;
+        let mut spiked = Vec::new();
         if let Some(spikes) = &mut self.spikes {
             spikes.finish(&mut |rows| self.grid.take(rows));
             white_sigmas = spikes.white_sigmas();
             spike_rows = spikes.spikes();
+            spiked = spikes.places();
         }
         let (blocks, samples, block_s) = self.grid.finish();
         ChannelSummary {
@@ -129,6 +131,7 @@ impl<'a> ChannelSummariser<'a> {
             unusable_rows: self.unusable_rows,
             excluded_rows: self.excluded_rows,
             spike_rows,
+            spiked,
         }
     }
 }

@@ -11,6 +11,16 @@ pub(crate) struct ChannelData<'a> {
     /// For each log and axis, how far its constant bias is from the mean of the logs
     /// \[unit of the axis\]; 0 until it is known.
     pub(crate) constants: Vec<Vec<f64>>,
+    /// For each log, its steps of the bias in order of time.
+    pub(crate) offsets: Vec<Vec<Offset>>,
+}
+
+/// How far the constant bias is from the rest of the log, from a block on to the next offset.
+pub(crate) struct Offset {
+    /// Position of the first block.
+    pub(crate) from: usize,
+    /// By axis \[unit of the axis\].
+    pub(crate) axes: Vec<f64>,
 }
 
 impl<'a> ChannelData<'a> {
@@ -26,6 +36,7 @@ impl<'a> ChannelData<'a> {
             channel,
             keep: keep.collect(),
             constants: vec![vec![0.0; axes]; logs.len()],
+            offsets: logs.iter().map(|_| Vec::new()).collect(),
         }
     }
 
@@ -44,10 +55,25 @@ impl<'a> ChannelData<'a> {
         })
     }
 
-    /// The means of the axes over a block, less the constant of its log.
-    pub(crate) fn levelled(&self, log: usize, moments: &Moments) -> impl Iterator<Item = f64> {
-        let axes = moments.axes.iter().zip(&self.constants[log]);
-        axes.map(|(axis, constant)| axis.mean - constant)
+    /// The means of the axes over a block, less the constant of its log and the steps in it.
+    pub(crate) fn levelled(
+        &self,
+        (log, position): (usize, usize),
+        moments: &Moments,
+    ) -> impl Iterator<Item = f64> {
+        let axes = moments.axes.iter().zip(&self.constants[log]).enumerate();
+        axes.map(move |(axis, (spread, constant))| {
+            spread.mean - constant - self.offset(log, position, axis)
+        })
+    }
+
+    /// How far the constant bias of an axis in a block is from the rest of its log.
+    pub(crate) fn offset(&self, log: usize, position: usize, axis: usize) -> f64 {
+        let offsets = &self.offsets[log];
+        let begun = offsets.partition_point(|offset| offset.from <= position);
+        begun
+            .checked_sub(1)
+            .map_or(0.0, |last| offsets[last].axes[axis])
     }
 
     /// Names of the logs' files.

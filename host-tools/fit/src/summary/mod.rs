@@ -22,7 +22,7 @@ mod signals;
 mod tests;
 
 pub(crate) use block::{Extremes, Moments, Rows};
-pub(crate) use channel_data::ChannelData;
+pub(crate) use channel_data::{ChannelData, Offset};
 pub(crate) use grid::Block;
 use grid::Sample;
 pub use log::{summarise_file, summarise_log};
@@ -31,6 +31,8 @@ use tempco::{Interval, Thermal, ThermalPoint, ThermalState};
 use tempco_log::signals::Finding;
 use tempco_log::{AxisUnit, Reading};
 use tempco_set::Stretch;
+
+use crate::outliers::Spiked;
 
 /// What must be known before a log is summarised; see [`FitOptions::plan`](crate::FitOptions::plan).
 #[derive(Clone, Debug, PartialEq)]
@@ -101,6 +103,8 @@ pub(crate) struct ChannelSummary {
     /// Rows in excluded stretches.
     pub(crate) excluded_rows: usize,
     pub(crate) spike_rows: usize,
+    /// By axis; empty if spikes were not looked for.
+    pub(crate) spiked: Vec<Spiked>,
 }
 
 /// An axis as it is called in the log.
@@ -143,6 +147,14 @@ impl ChannelSummary {
             }
         };
         self.samples.iter().map(point).collect()
+    }
+
+    /// Temperatures of the samples of a block that hold rows to fit \[degC\].
+    pub(crate) fn temps_c(&self, block: &Block) -> impl Iterator<Item = f32> {
+        let samples = self.samples[block.samples.clone()].iter();
+        samples
+            .filter(|sample| sample.kept > 0)
+            .map(|sample| sample.temp_c)
     }
 
     /// Length of a sample \[s\].

@@ -211,6 +211,33 @@ impl Screening {
                 &ANY,
             )?;
         }
+        if let Some(extent) = &self.extent {
+            let key = format!("{key}.extent");
+            let ways = [("heated_c", extent.heated_c), ("cooled_c", extent.cooled_c)];
+            all_within(&key, &ways, &AT_LEAST_0)?;
+            if let Some(fast) = &extent.too_fast {
+                let key = format!("{key}.too_fast");
+                within(format_args!("{key}.share"), fast.share, 0.0..=ONE)?;
+                let numbers = [
+                    ("rate_c_per_min", fast.rate_c_per_min),
+                    ("limit_c_per_min", fast.limit_c_per_min),
+                    ("from_s", fast.from_s),
+                    ("to_s", fast.to_s),
+                ];
+                all_within(&key, &numbers, &ANY)?;
+            }
+        }
+        let places = [
+            ("spikes", &self.spikes),
+            ("disturbances", &self.disturbances),
+        ];
+        let places = places.map(|(name, found)| found.iter().enumerate().map(move |of| (name, of)));
+        for (name, (number, found)) in places.into_iter().flatten() {
+            let key = format!("{key}.{name}[{number}]");
+            within(format_args!("{key}.share"), found.share, 0.0..=ONE)?;
+            let times = [("from_s", found.from_s), ("to_s", found.to_s)];
+            all_within(&key, &times, &ANY)?;
+        }
         let logs = self.constants.iter().enumerate();
         logs.into_iter()
             .try_for_each(|(log, values)| all_in(key, &format!("constants[{log}]"), values, &ANY))

@@ -1,0 +1,146 @@
+//! What the kept rows of a channel cover: degrees, means, directions, speed.
+
+use std::collections::BTreeSet;
+
+use tempco_set::{Extent, TooFast};
+
+use crate::summary::ChannelData;
+
+/// Means are counted in this length, whatever the blocks are \[s\].
+const MEAN_S: f64 = 10.0;
+
+/// A turn of less is no turn: noise of a sensor, a chamber that overshoots \[degC\].
+const LEAST_TURN_C: f64 = 2.0;
+
+/// Degrees that rows of a slow log may pass between them.
+const MOST_PASSED_C: u64 = 5;
+
+/// Temperature that is too fast once may be a bad reading.
+const LEAST_FAST: usize = 2;
+
+/// What the kept rows cover, with the fastest change that the core follows.
+pub(crate) fn of(data: &ChannelData, limit_c_per_min: f64) -> Extent {
+    let mut degrees = BTreeSet::new();
+    let (mut heated_c, mut cooled_c, mut time_s) = (0.0, 0.0, 0.0);
+    let mut too_fast: Option<TooFast> = None;
+    for log in 0..data.logs.len() {
+        let channel = data.of(log);
+        let mut means: Vec<(f64, f64)> = Vec::new();
+        for (_, _, block) in data.blocks().filter(|(of, ..)| *of == log) {
+            // Between neighbouring samples the temperature passed all degrees, unless it leapt.
+            let mut last: Option<i64> = None;
+            for temp_c in channel.temps_c(block) {
+                let at = f64::from(temp_c).floor() as i64;
+                let from = last
+                    .filter(|last| last.abs_diff(at) <= MOST_PASSED_C)
+                    .unwrap_or(at);
+                degrees.extend(from.min(at)..=from.max(at));
+                last = Some(at);
+            }
+            time_s += channel.block_s;
+            means.push((0.5 * (block.from_s + block.to_s), block.moments.temp_c));
+        }
+        let (up_c, down_c) = travelled(means.iter().map(|(_, temp_c)| *temp_c));
+        heated_c += up_c;
+        cooled_c += down_c;
+        let found = fast(&means, 2.0 * channel.block_s, limit_c_per_min);
+        let faster = found.filter(|found| {
+            let fastest = too_fast.as_ref().map_or(0.0, |of| of.rate_c_per_min);
+            found.rate_c_per_min > fastest
+        });
+        if let Some(found) = faster {
+            let file = data.logs[log].file().to_owned();
+            too_fast = Some(TooFast { file, ..found });
+        }
+    }
+    Extent {
+        covered_c: degrees.len(),
+        // Blocks of a log are equally long but for rounding.
+        means: (time_s / MEAN_S + 1e-6) as usize,
+        heated_c,
+        cooled_c,
+        too_fast,
+    }
+}
+
+/// How far temperatures go up and down in all, small turns aside \[degC\].
+fn travelled(mut temps_c: impl Iterator<Item = f64>) -> (f64, f64) {
+    let Some(start_c) = temps_c.next() else {
+        return (0.0, 0.0);
+    };
+    // The last turn, and the furthest since in either direction.
+    let (mut low_c, mut high_c, mut rises) = (start_c, start_c, None);
+    let (mut up_c, mut down_c) = (0.0, 0.0);
+    for temp_c in temps_c {
+        match rises {
+            Some(true) if temp_c < high_c - LEAST_TURN_C => {
+                up_c += high_c - low_c;
+                (rises, low_c) = (Some(false), temp_c);
+            }
+            Some(false) if temp_c > low_c + LEAST_TURN_C => {
+                down_c += high_c - low_c;
+                (rises, high_c) = (Some(true), temp_c);
+            }
+            Some(true) => high_c = high_c.max(temp_c),
+            Some(false) => low_c = low_c.min(temp_c),
+            None => {
+                (low_c, high_c) = (low_c.min(temp_c), high_c.max(temp_c));
+                if high_c - low_c > LEAST_TURN_C {
+                    rises = Some(temp_c == high_c);
+                }
+            }
+        }
+    }
+    match rises {
+        Some(true) => up_c += high_c - low_c,
+        Some(false) => down_c += high_c - low_c,
+        None => {}
+    }
+    (up_c, down_c)
+}
+
+/// Neighbouring means between which the temperature changes faster than the limit.
+fn fast(means: &[(f64, f64)], near_s: f64, limit_c_per_min: f64) -> Option<TooFast> {
+    let rates = means.windows(2).filter_map(|pair| {
+        let [(from_s, from_c), (to_s, to_c)] = [pair[0], pair[1]];
+        let rate = 60.0 * (to_c - from_c).abs() / (to_s - from_s);
+        (to_s - from_s <= near_s && rate > limit_c_per_min).then_some((from_s, to_s, rate))
+    });
+    let rates: Vec<(f64, f64, f64)> = rates.collect();
+    let (first, last) = (rates.first()?, rates.last()?);
+    (rates.len() >= LEAST_FAST).then(|| TooFast {
+        file: String::new(),
+        rate_c_per_min: rates.iter().map(|(.., rate)| *rate).fold(0.0, f64::max),
+        limit_c_per_min,
+        share: rates.len() as f64 / means.len() as f64,
+        from_s: first.0,
+        to_s: last.1,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn small_turns_are_no_turns() {
+        let up_down = [0.0, 1.0, 0.5, 5.0, 10.0, 9.0, 10.5, 3.0, 4.0, 0.0, 1.5];
+        assert_eq!(travelled(up_down.into_iter()), (10.5, 10.5));
+        assert_eq!(travelled([3.0, 2.0, 1.0, 0.0].into_iter()), (0.0, 3.0));
+        assert_eq!(travelled([3.0, 2.0, 3.0].into_iter()), (0.0, 0.0));
+    }
+
+    #[test]
+    fn speed_has_a_place() {
+        let means = |rate: f64| -> Vec<(f64, f64)> {
+            let heated = |i: usize| rate / 6.0 * i.clamp(20, 30) as f64;
+            (0..60).map(|i| (10.0 * i as f64, heated(i))).collect()
+        };
+        assert_eq!(fast(&means(29.0), 20.0, 30.0), None);
+        let found = fast(&means(40.0), 20.0, 30.0).unwrap();
+        assert_eq!((found.from_s, found.to_s), (200.0, 300.0));
+        assert!(
+            (found.rate_c_per_min - 40.0).abs() < 1e-9 && (found.share - 1.0 / 6.0).abs() < 1e-9
+        );
+    }
+}
