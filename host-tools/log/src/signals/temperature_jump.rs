@@ -393,6 +393,18 @@ mod tests {
     }
 
     #[test]
+    fn a_bare_probe_in_a_draught_is_no_jump() {
+        for time_constant_s in [15.0, 20.0, 30.0] {
+            for opened_s in [2000.0, 2003.0, 2009.0] {
+                let open_c =
+                    |time_s: f64| 70.0 * (-(time_s - opened_s).max(0.0) / time_constant_s).exp();
+                let log = Made::new(400, 10.0, |share| open_c(4000.0 * share));
+                assert_eq!(found(&log), []);
+            }
+        }
+    }
+
+    #[test]
     fn a_power_cycle_is_no_jump() {
         for gap_s in [6.0, 30.0, 3600.0] {
             let mut log = chamber(0.2, 0.02, (-10.0, 50.0), 1);
