@@ -118,9 +118,11 @@ impl Columns {
         // A known layout gives what is not named.
         let is_complete = own.time.is_some() && !own.axis.is_empty() && !own.temp.is_empty();
         let is_plain = header.iter().any(|name| name == "time_s");
-        let known = match is_complete || is_plain {
-            true => None,
-            false => recognise(signs, !own.axis.is_empty())?,
+        let known = match recognise(signs, !own.axis.is_empty()) {
+            _ if is_plain => None,
+            // Its source still counts.
+            Err(_) if is_complete => None,
+            known => known?,
         };
         let mapping = match &known {
             Some(known) => own.or(&known.mapping),
@@ -351,13 +353,19 @@ fn temp_of(header: &[String], text: &str) -> Result<FoundTemp, String> {
     let found = mapping::temp(text, header)?;
     let column = header[found.position].clone();
     let by_name = names::divide_any(&column).and_then(|(_, unit)| names::temp_unit(unit));
-    let unit = found.unit.or(by_name).unwrap_or(names::TempUnit::DegC);
+    // What is not said is degC, and is kept so.
+    let unit = found.unit.or(by_name);
+    let text = match unit {
+        Some(_) => text.to_owned(),
+        None => format!("{text}:degc"),
+    };
+    let unit = unit.unwrap_or(names::TempUnit::DegC);
     Ok(FoundTemp {
         column,
         source: TempSource::Column(found.position),
         to_deg_c: found.linear.then(unit.to_deg_c()),
         owner: found.axis.map_or(Owner::All, Owner::End),
-        text: Some(text.to_owned()),
+        text: Some(text),
     })
 }
 

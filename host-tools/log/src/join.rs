@@ -20,7 +20,7 @@ pub(super) struct Joined {
     pub(super) file: String,
     unit: TimeUnit,
     origin_ns: Option<i128>,
-    /// Seconds to add to its times, so that they are those of the log.
+    /// Seconds to add to its times to get times of the log.
     offset_s: f64,
     rows: Arc<Chunk>,
 }
@@ -64,7 +64,7 @@ impl Joined {
         })
     }
 
-    /// Brings its times to those of the log.
+    /// Brings its times to the times of the log.
     ///
     /// # Errors
     /// Clock times in one of them only.

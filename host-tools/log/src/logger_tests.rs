@@ -117,6 +117,16 @@ fn ardupilot_must_have_one_source() {
     });
     let log = read_as("log.csv", &two, &options).unwrap();
     assert_eq!((log.rows(), log.time_s[0], log.skipped_rows), (150, 0.2, 0));
+    // Columns that were kept from a log of one source are not enough for a log of two.
+    let kept = ReadOptions {
+        kept: vec![Mapping {
+            filter: Vec::new(),
+            ..log.reading.mapping.clone().unwrap()
+        }],
+        ..ReadOptions::default()
+    };
+    let error = read_as("log.csv", &two, &kept).unwrap_err();
+    assert!(error.contains("--where I=0"), "{error}");
     // A second source that begins late is refused even where bad rows are skipped.
     let late = ardupilot(300, |row| row / 250);
     let options = ReadOptions {

@@ -147,13 +147,15 @@ pub(crate) fn tidy(name: &str) -> String {
 }
 
 /// Words for the time, tidied.
-const TIME_NAMES: [&str; 11] = [
+const TIME_NAMES: [&str; 13] = [
     "elapsed",
     "elapsed_time",
     "sampletimefine",
     "t",
     "tiempo",
     "time",
+    "time_boot",
+    "time_since_boot",
     "time_stamp",
     "timestamp",
     "uptime",
@@ -170,6 +172,15 @@ pub(crate) fn is_time(name: &str) -> bool {
 pub(crate) fn time_column(column: &str) -> Option<TimeUnit> {
     if let Some((name, unit)) = divide_any(column) {
         return time_unit(unit).filter(|_| is_time(name));
+    }
+    // `TimeUS`, `timestampMs`.
+    let lower = column.to_lowercase();
+    let behind = ["timestamp", "time"]
+        .iter()
+        .find_map(|word| lower.strip_prefix(word));
+    let behind = behind.filter(|unit| unit.len() > 1).and_then(time_unit);
+    if behind.is_some() {
+        return behind;
     }
     let is_unit_alone = [
         "millis",
@@ -299,7 +310,18 @@ mod tests {
         assert_eq!(time_column("Zeit [s]"), Some(TimeUnit::S));
         assert_eq!(time_column("time_us"), Some(TimeUnit::Us));
         assert_eq!(time_column("millis"), Some(TimeUnit::Ms));
-        for name in ["Time", "t", "timestamp", "s", "dwell_s", "time_min"] {
+        for name in ["TimeUS", "timestampUs", "time_boot_us"] {
+            assert_eq!(time_column(name), Some(TimeUnit::Us), "{name}");
+        }
+        for name in [
+            "Time",
+            "Times",
+            "t",
+            "timestamp",
+            "s",
+            "dwell_s",
+            "time_min",
+        ] {
             assert_eq!(time_column(name), None, "{name}");
         }
         assert_eq!(temp_owner("Temperature").as_deref(), Some(""));
