@@ -23,8 +23,6 @@ enum Right {
 
 use Right::{Fits, Refused, Rejected};
 
-const AXES: &str = "--axis gx=GyX:dps --axis gy=GyY:dps --axis gz=GyZ:dps";
-
 /// File, options, what is right.
 const CASES: &[(&str, &str, Right)] = &[
     ("saturated_axis/sat3pct.csv", "", Rejected(&["full_scale"])),

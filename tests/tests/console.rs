@@ -125,7 +125,8 @@ fn an_answer_fits_on_a_screen_whatever_the_verdict() {
             1,
             "{rejected}"
         );
-        assert_eq!(turned.err.lines().count(), 1, "{}", turned.err);
+        // One line for each code: no help, and a trend.
+        assert_eq!(turned.err.lines().count(), 2, "{}", turned.err);
         let training = bench.run(&format!("evaluate {set} log.csv --tau 10"));
         let training = answer(&training, "accepted, not yet verified");
         assert!(

@@ -38,6 +38,15 @@ fn evaluation(bench: &Bench, args: &str) -> Value {
     serde_json::from_str(&bench.ok(&format!("evaluate {args} --json"))).unwrap()
 }
 
+/// The same of a log that rejects the set, since what remains follows the rate.
+fn evaluation_with_trend(bench: &Bench, args: &str) -> Value {
+    let ran = bench.run(&format!("evaluate {args} --json"));
+    assert_eq!(ran.code, 1, "{}", ran.err);
+    let found: Value = serde_json::from_str(&ran.out).unwrap();
+    assert_eq!(found["rejections"][0]["code"], "trend_with_rate");
+    found
+}
+
 fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("{value}"))
 }
@@ -239,7 +248,7 @@ fn what_is_too_short_is_not_measured_and_says_why() {
         .map(|line| format!("{line}\n"))
         .collect();
     bench.write("up.csv", &up);
-    let found = evaluation(&bench, "set/coefficients.json up.csv");
+    let found = evaluation_with_trend(&bench, "set/coefficients.json up.csv");
     let reason = &found["axes"][0]["hysteresis"]["not_measured"];
     assert!(reason.as_str().unwrap().contains("both ways"), "{reason}");
 }
@@ -265,7 +274,7 @@ fn printed_coefficients_are_judged_too() {
          X,1,5,45,0.25,0.01,0\n",
     );
     bench.write("log.csv", &ramps(false).replace("x_dph", "x_pulses_per_s"));
-    let found = evaluation(&bench, "printed.csv log.csv");
+    let found = evaluation_with_trend(&bench, "printed.csv log.csv");
     let x = &found["axes"][0];
     assert!(number(&x["correlation_compensated"]["rate"]) > 0.9);
     assert!(number(&x["hysteresis"]["rms_compensated"]) > 0.015);

@@ -228,8 +228,13 @@ fn over_reference(evaluation: &Evaluation) -> impl Iterator<Item = Option<String
     })
 }
 
+/// What matters of a channel beside its axes, a line each.
+pub(crate) fn channel_notes(channel: &ChannelSet) -> impl Iterator<Item = String> {
+    std::iter::once(range_note(channel)).chain(channel.about_reference())
+}
+
 /// Range and boundaries of a channel, in a line.
-pub(crate) fn channel_note(channel: &ChannelSet) -> String {
+fn range_note(channel: &ChannelSet) -> String {
     let data = &channel.table;
     let segments = match channel.segments.len() {
         1 => "1 segment".to_owned(),

@@ -9,7 +9,7 @@ use tempco_fit::{FitOptions, fit_summaries};
 use tempco_set::{CoefficientSet, Stretch, file_names};
 
 use crate::Exit;
-use crate::answer::{Answer, channel_note};
+use crate::answer::{Answer, channel_notes};
 use crate::batch;
 use crate::method_args::MethodArgs;
 use crate::output::{figure, percent, print, print_lines, table};
@@ -114,7 +114,7 @@ pub(crate) fn run(args: &Args) -> Result<Exit> {
         judgement: &judgement,
         evaluation: None,
         is_against: false,
-        notes: set.channels.iter().map(channel_note).collect(),
+        notes: set.channels.iter().flat_map(channel_notes).collect(),
         written: vec![format!(
             "wrote {}: {}",
             args.out.display(),

@@ -7,7 +7,9 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Error, Result, bail};
 use tempco_evaluate::TAU_RANGE_S;
 use tempco_fit::summary::{LogSummary, Plan, summarise_file};
-use tempco_log::{Log, Mapping, ReadOptions, Reading, list_names, parallel, read_log_observed};
+use tempco_log::{
+    Log, Mapping, ReadOptions, Reading, SkippedRows, list_names, parallel, read_log_observed,
+};
 use tempco_set::{CoefficientSet, SCALE_FACTORS_ARCSEC, check_folder, load_set, set_of_image};
 
 use crate::image::{Placed, is_image};
@@ -210,7 +212,7 @@ pub(crate) fn say_reading(
     file: &str,
     reading: &Reading,
     ignored_columns: &[String],
-    skipped_rows: usize,
+    skipped_rows: SkippedRows,
 ) {
     if !reading.is_plain() {
         say!("{file}: read as: {reading}");
@@ -218,7 +220,8 @@ pub(crate) fn say_reading(
     if !ignored_columns.is_empty() {
         say!("{file}: columns not used: {}", list_names(ignored_columns));
     }
-    if skipped_rows > 0 {
-        say!("{file}: {skipped_rows} bad rows left out");
+    let total = skipped_rows.total();
+    if total > 0 {
+        say!("{file}: {total} bad rows left out: {skipped_rows}");
     }
 }

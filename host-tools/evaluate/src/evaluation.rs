@@ -3,14 +3,14 @@
 use std::ops::RangeInclusive;
 
 use serde::Serialize;
-use tempco::ThermalPoint;
+use tempco::{Status, Terms, ThermalPoint};
 use tempco_log::signals::{self, Finding};
-use tempco_log::{AxisUnit, Log};
+use tempco_log::{AxisUnit, Log, SkippedRows};
 use tempco_set::run::{Applied, ApplyError, apply};
 use tempco_set::{ChannelSet, CoefficientSet, CoefficientSigmas, SegmentSet};
 use thiserror::Error;
 
-use crate::correlation::{Correlation, pearson};
+use crate::correlation::{Correlation, chance, pearson};
 use crate::curve::AllanOfAxis;
 use crate::hysteresis::{Bins, Hysteresis};
 use crate::means::Means;
@@ -40,6 +40,9 @@ pub struct Evaluation {
     pub max_boundary_jump: Vec<f64>,
     /// For each flag that occurred, the number of rows with it.
     pub status_rows: Vec<(&'static str, usize)>,
+    /// The rows outside the calibrated range of temperature or rate; none without such a row.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub outside: Option<Outside>,
     /// For each temperature channel, the segments and what of them the fit had seen.
     pub segments: Vec<Vec<SegmentSet>>,
 }
@@ -58,6 +61,25 @@ pub struct JudgedLog {
     /// What is wrong with its signals.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub findings: Vec<Finding>,
+    /// Rows left out on reading because skipping bad rows was asked for, by reason.
+    #[serde(skip_serializing_if = "is_empty")]
+    pub skipped: SkippedRows,
+}
+
+fn is_empty(skipped: &SkippedRows) -> bool {
+    *skipped == SkippedRows::default()
+}
+
+/// Rows of which the temperature was clamped to the calibrated range, or the rate in a set with rate
+/// terms.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Outside {
+    /// Their number.
+    pub rows: usize,
+    /// Time of the first one \[s\].
+    pub from_s: f64,
+    /// Time of the last one \[s\].
+    pub to_s: f64,
 }
 
 /// What a log is to a set.
@@ -83,6 +105,9 @@ pub struct AxisEvaluation {
     pub axis: String,
     /// Unit.
     pub unit: AxisUnit,
+    /// Whether the set takes out a constant alone.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub constant_alone: bool,
     /// Number of `tau`-means.
     pub n: usize,
     /// Bias stability without compensation.
@@ -181,6 +206,7 @@ pub fn evaluate(
         reference: reference.name,
         max_boundary_jump: max_boundary_jump(set),
         status_rows: status_rows(&applied),
+        outside: outside(set, log, &applied),
         segments: set.channels.iter().map(|c| c.segments.clone()).collect(),
         axes,
     })
@@ -199,6 +225,7 @@ fn judged_log(set: &CoefficientSet, log: &Log) -> JudgedLog {
         file: log.file.clone(),
         sha256: log.sha256.clone(),
         rows: log.rows(),
+        skipped: log.skipped_rows,
         role: if inputs.len() == 0 {
             Role::Unknown
         } else if inputs.any(|input| input.sha256 == log.sha256) {
@@ -221,7 +248,7 @@ fn max_boundary_jump(set: &CoefficientSet) -> Vec<f64> {
 }
 
 fn status_rows(applied: &Applied) -> Vec<(&'static str, usize)> {
-    tempco::Status::NAMES
+    Status::NAMES
         .iter()
         .map(|&(flag, name)| {
             let rows = applied.status.iter().filter(|status| status.contains(flag));
@@ -229,6 +256,23 @@ fn status_rows(applied: &Applied) -> Vec<(&'static str, usize)> {
         })
         .filter(|&(_, rows)| rows > 0)
         .collect()
+}
+
+fn outside(set: &CoefficientSet, log: &Log, applied: &Applied) -> Option<Outside> {
+    let cells = set.channels.iter().flat_map(|channel| &channel.table.cells);
+    let has_rate_terms = cells.flatten().any(|terms| terms.r != [0.0; Terms::RATE]);
+    let flags = if has_rate_terms {
+        Status::TEMPERATURE_CLAMPED | Status::RATE_CLAMPED
+    } else {
+        Status::TEMPERATURE_CLAMPED
+    };
+    let rows = applied.status.iter().zip(&log.time_s);
+    let mut times = rows
+        .filter(|(status, _)| status.intersects(flags))
+        .map(|(_, &time_s)| time_s);
+    let from_s = times.next()?;
+    let (rows, to_s) = times.fold((1, from_s), |(rows, _), time_s| (rows + 1, time_s));
+    Some(Outside { rows, from_s, to_s })
 }
 
 /// What the axes of a channel have in common.
@@ -263,7 +307,12 @@ impl OfChannel {
         let rate = pearson(&means.means, &self.rates);
         let both = temperature.zip(rate);
         Measured::or(
-            both.map(|(temperature, rate)| Correlation { temperature, rate }),
+            both.map(|(temperature, rate)| Correlation {
+                temperature,
+                rate,
+                temperature_chance: chance(&means.means, &self.temperatures),
+                rate_chance: chance(&means.means, &self.rates),
+            }),
             || "the temperature, its rate or the axis does not move".to_owned(),
         )
     }
@@ -301,6 +350,7 @@ impl Judged<'_> {
         Ok(AxisEvaluation {
             axis: axis.name.clone(),
             unit: axis.unit,
+            constant_alone: self.channel.table.is_constant(self.of_channel),
             n: raw.means.len(),
             sigma_raw: raw.sigma(),
             sigma_compensated: compensated.sigma(),

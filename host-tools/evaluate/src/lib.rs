@@ -28,8 +28,8 @@ mod text;
 pub use correlation::Correlation;
 pub use curve::{AllanCurves, AllanOfAxis};
 pub use evaluation::{
-    AxisEvaluation, Boundary, EvaluateError, Evaluation, JudgedLog, Role, TAU_RANGE_S, boundaries,
-    evaluate,
+    AxisEvaluation, Boundary, EvaluateError, Evaluation, JudgedLog, Outside, Role, TAU_RANGE_S,
+    boundaries, evaluate,
 };
 pub use hysteresis::Hysteresis;
 pub use judge::{judge, sign_off};

@@ -1,6 +1,6 @@
 //! The fit of a channel, whatever its model, and how it becomes a part of the set.
 
-use tempco::ThermalSettings;
+use tempco::{Terms, ThermalSettings};
 use tempco_set::build::{self, Fitted};
 use tempco_set::{
     AxisSet, ChannelSet, CoefficientSigmas, GainSet, HeldOutErrors, NoiseSet, Overlap, Polynomial,
@@ -41,6 +41,19 @@ pub(crate) struct Findings {
 }
 
 impl ChannelFit {
+    /// Leaves an axis without terms: it keeps `constant` alone.
+    pub(crate) fn keep_constant(&mut self, axis: usize, constant: f64) {
+        // A number of the table, so that its cells do not differ by rounding.
+        let constant = f64::from(constant as f32);
+        for polynomial in &mut self.polynomials[axis] {
+            polynomial.a = [constant, 0.0, 0.0];
+            polynomial.r = [0.0; Terms::RATE];
+        }
+        self.sigmas[axis].fill(CoefficientSigmas::new(&[], &[]));
+        self.noises[axis] = None;
+        self.gains[axis].fill(GainSet::default());
+    }
+
     /// Makes the table.
     pub(crate) fn into_set(self, data: &ChannelData, findings: Findings) -> ChannelSet {
         let reference_c = match self.calibrated_c {
@@ -68,6 +81,7 @@ impl ChannelFit {
                     |(((axis, polynomials), ((sigmas, noise), gains)), held_out)| AxisSet {
                         name: axis.name.clone(),
                         unit: axis.unit,
+                        reference_c: None,
                         polynomials,
                         sigmas,
                         gains,

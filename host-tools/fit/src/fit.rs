@@ -157,7 +157,7 @@ fn fit_channel(
         .comparison(&segmentation, chosen)
         .map_err(FitError::Settings)?;
     // The chosen model is fitted to all that was kept.
-    let fitted = match choice {
+    let mut fitted = match choice {
         Choice::Segments {
             model,
             segmentation,
@@ -168,6 +168,12 @@ fn fit_channel(
         }
         Choice::Spline(spline) => spline::fit(data, options.thermal, &spline)?,
     };
+    // Axes whose terms do no better than a constant do without them.
+    for (axis, errors) in held_out.iter().enumerate() {
+        if errors.left_out.is_some() {
+            fitted.keep_constant(axis, blocks.mean(axis));
+        }
+    }
     let findings = Findings {
         screening,
         selection,
@@ -182,7 +188,8 @@ fn input(log: &LogSummary) -> Input {
         file: log.file.clone(),
         sha256: log.sha256.clone(),
         rows: log.rows,
-        skipped_rows: log.skipped_rows,
+        skipped_rows: log.skipped_rows.total(),
+        skipped: log.skipped_rows,
         unusable_rows: channels.map(|channel| channel.unusable_rows).sum(),
         interval_s: log.interval_s,
         duration_s: log.duration_s,

@@ -73,7 +73,8 @@ fn run(profile: &[(f64, f64)], seed: u64) -> Log {
             axes,
         }],
         ignored_columns: Vec::new(),
-        skipped_rows: 0,
+        reading: tempco_log::Reading::default(),
+        skipped_rows: tempco_log::SkippedRows::default(),
         interval_s: INTERVAL_S,
     }
 }
@@ -377,24 +378,26 @@ fn a_unit_put_up_again_is_warned_of() {
 fn thin_runs_are_rejected_or_warned_of() {
     use RejectionCode::ThinRun;
     use WarningCode::{FastTemperature, FewMeans, OneDirection};
-    // Heating for some minutes by some degrees, then back if asked for.
-    let cases: [(f64, f64, bool, &[RejectionCode], &[WarningCode]); 8] = [
+    type Run = (f64, f64, bool);
+    type Codes = (&'static [RejectionCode], &'static [WarningCode]);
+    // Heating for some seconds by some degrees, then back if asked for.
+    let cases: [(Run, Codes); 8] = [
         (
-            90.0,
-            60.0,
-            false,
-            &[ThinRun],
-            &[FastTemperature, FewMeans, OneDirection],
+            (90.0, 60.0, false),
+            (&[ThinRun], &[FastTemperature, FewMeans, OneDirection]),
         ),
-        (180.0, 16.0, false, &[ThinRun], &[FewMeans, OneDirection]),
-        (190.0, 16.0, true, &[], &[FewMeans]),
-        (900.0, 13.0, true, &[ThinRun], &[]),
-        (900.0, 16.0, true, &[], &[]),
-        (900.0, 16.0, false, &[], &[OneDirection]),
-        (420.0, 40.0, false, &[], &[FewMeans, OneDirection]),
-        (1200.0, 60.0, true, &[], &[]),
+        (
+            (180.0, 16.0, false),
+            (&[ThinRun], &[FewMeans, OneDirection]),
+        ),
+        ((190.0, 16.0, true), (&[], &[FewMeans])),
+        ((900.0, 13.0, true), (&[ThinRun], &[])),
+        ((900.0, 16.0, true), (&[], &[])),
+        ((900.0, 16.0, false), (&[], &[OneDirection])),
+        ((420.0, 40.0, false), (&[], &[FewMeans, OneDirection])),
+        ((1200.0, 60.0, true), (&[], &[])),
     ];
-    for (length_s, span_c, back, rejections, warnings) in cases {
+    for ((length_s, span_c, back), (rejections, warnings)) in cases {
         let up = (length_s, 10.5 + span_c);
         let profile = [(0.0, 10.5), up, (2.0 * length_s, 10.5)];
         let (_, judgement) = fitted(&run(&profile[..2 + usize::from(back)], 9));

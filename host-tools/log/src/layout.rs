@@ -14,6 +14,7 @@ use super::join::Joined;
 use super::known::Signs;
 use super::mapping::Mapping;
 use super::names::Linear;
+use super::skipped::Reason;
 use super::time::TimeUnit;
 
 /// Temperatures outside this range \[degC\] are taken for a wrong unit, not for a reading.
@@ -283,7 +284,7 @@ impl Layout {
     /// # Errors
     /// What is wrong with the cell.
     #[inline]
-    pub(super) fn value(&self, slot: &Slot, cell: &[u8]) -> Result<f64, String> {
+    pub(super) fn value(&self, slot: &Slot, cell: &[u8]) -> Result<f64, (Reason, String)> {
         let unit = self.columns.time_unit;
         let value = match slot.kind {
             Kind::Time if unit.has_origin() => {
@@ -301,10 +302,17 @@ impl Layout {
         let value = value
             .map(|value| slot.conversion.of(value))
             .ok_or_else(|| match cell {
-                [] => format!("an empty cell: expected {expected}"),
-                _ => format!("`{}`: expected {expected}", excerpt_of_bytes(cell)),
+                [] => (
+                    Reason::EmptyCell,
+                    format!("an empty cell: expected {expected}"),
+                ),
+                _ => {
+                    let message = format!("`{}`: expected {expected}", excerpt_of_bytes(cell));
+                    (Reason::NotANumber, message)
+                }
             })?;
-        Self::objection(slot.kind, value).map_or(Ok(value), Err)
+        let objection = Self::objection(slot.kind, value);
+        objection.map_or(Ok(value), |message| Err((Reason::OutOfRange, message)))
     }
 
     /// An empty chunk with room for some rows.

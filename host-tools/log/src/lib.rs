@@ -14,7 +14,7 @@
 //! | `columns`, `layout`, [`AxisUnit`] | which column is what, in which unit |
 //! | `order`, `clock`, `bursts` | times that increase: counters that wrap, restarts, stamps of whole bursts |
 //! | `hold`, `join` | temperatures where a row has none: the last one, or that of another log |
-//! | `interval`, `stream`, `chunk` | rows in chunks, their usual interval |
+//! | `interval`, `stream`, `chunk`, `skipped` | rows in chunks, their usual interval; bad rows, counted by reason |
 //! | `log`, `read`, `reading` | a whole [`Log`], and how it was read |
 //! | [`signals`] | signals that are not what they are said to be |
 //! | [`decimate`], [`median`], [`parallel`] | an evenly spaced sample of a series; medians; work on all cores |
@@ -55,6 +55,7 @@ mod reading;
 mod records;
 mod rows;
 pub mod signals;
+mod skipped;
 mod source;
 mod stream;
 #[cfg(test)]
@@ -72,6 +73,7 @@ pub use log::{Axis, Channel, Log};
 pub use mapping::Mapping;
 pub use read::{ReadOptions, read_log, read_log_observed};
 pub use reading::Reading;
+pub use skipped::SkippedRows;
 pub use source::hex;
 pub use stream::LogStream;
 pub use unit::{AxisUnit, COLUMN_UNITS, ColumnUnit};

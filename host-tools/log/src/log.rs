@@ -1,6 +1,7 @@
 //! A log in memory.
 
 use crate::reading::Reading;
+use crate::skipped::SkippedRows;
 use crate::unit::AxisUnit;
 
 /// A log whose every value was checked on reading.
@@ -19,7 +20,7 @@ pub struct Log {
     /// Columns that were neither mapped nor recognised.
     pub ignored_columns: Vec<String>,
     /// Rows left out because skipping bad rows was asked for.
-    pub skipped_rows: usize,
+    pub skipped_rows: SkippedRows,
     /// Median time between rows \[s\].
     pub interval_s: f64,
 }

@@ -8,6 +8,7 @@ use super::chunk::{Chunk, retain};
 use super::clock::{Clock, LOOK_AHEAD, Stamp, TimeNotes};
 use super::hold::Hold;
 use super::layout::Layout;
+use super::skipped::{Reason, SkippedRows};
 
 /// Consecutive rows whose cells were checked, apart from the order of their times.
 #[derive(Debug)]
@@ -20,7 +21,7 @@ pub(super) struct Parsed {
     /// Whether temperatures are missing: NaN.
     pub(super) has_blanks: bool,
     /// Rows left out because of their cells.
-    pub(super) skipped: usize,
+    pub(super) skipped: SkippedRows,
     /// The row at which reading stopped.
     pub(super) bad: Option<Bad>,
 }
@@ -32,7 +33,9 @@ pub(super) struct Bad {
     pub(super) number: u64,
     /// Its time, if that is a number.
     pub(super) time_s: Option<f64>,
-    /// What is wrong with its other cells.
+    /// What is wrong with its other cells, to be counted.
+    pub(super) reason: Reason,
+    /// The same, to be read.
     pub(super) error: LogError,
     /// Whether it is refused although bad rows are skipped.
     pub(super) is_fatal: bool,
@@ -56,7 +59,7 @@ pub(super) struct TimeOrder {
     /// Bits of the row judged last.
     last_row: Vec<u64>,
     /// Rows left out so far.
-    pub(super) skipped: usize,
+    pub(super) skipped: SkippedRows,
 }
 
 impl TimeOrder {
@@ -71,7 +74,7 @@ impl TimeOrder {
             hold: Hold::new(skip_bad_rows),
             has_blanks: false,
             last_row: Vec::new(),
-            skipped: 0,
+            skipped: SkippedRows::default(),
         }
     }
 
@@ -80,7 +83,7 @@ impl TimeOrder {
     /// # Errors
     /// The first bad row, unless bad rows are skipped.
     pub(super) fn take(&mut self, layout: &Layout, parsed: Parsed) -> Result<Chunk, LogError> {
-        self.skipped += parsed.skipped;
+        self.skipped.add(parsed.skipped);
         self.has_blanks |= parsed.has_blanks;
         self.waiting.append(&parsed.chunk);
         let numbers = parsed.numbers.iter();
@@ -169,7 +172,7 @@ impl TimeOrder {
                     }
                     _ if self.skip_bad_rows => {
                         keep[row] = false;
-                        self.skipped += 1;
+                        self.skipped.time_order += 1;
                     }
                     Ok(None) => {
                         let message = increase(rows.time_s[row], rows.time_s[row]);
@@ -187,7 +190,7 @@ impl TimeOrder {
         let held = self
             .hold
             .fill(layout, rows, &mut numbers, self.has_blanks)?;
-        self.skipped += held;
+        self.skipped.empty_cell += held;
         self.last_row = last_row.unwrap_or_else(|| std::mem::take(&mut self.last_row));
         Ok(())
     }

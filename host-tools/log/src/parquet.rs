@@ -18,6 +18,7 @@ use super::layout::{Conversion, Finder, Found, Kind, Layout, RowKind};
 use super::mapping::Mapping;
 use super::order::{Bad, Parsed};
 use super::pages::{BoundedFile, LARGEST_PAGE, Pages, TooLarge};
+use super::skipped::{Reason, SkippedRows};
 use super::source::Source;
 use super::time::TimeUnit;
 use super::time_types::{TimeType, time_types};
@@ -186,7 +187,7 @@ impl ParquetRows {
             base: self.row + 1,
             numbers: Vec::with_capacity(rows),
             has_blanks: false,
-            skipped: 0,
+            skipped: SkippedRows::default(),
             bad: None,
         };
         let mut values = vec![0.0; self.readers.len()];
@@ -197,7 +198,7 @@ impl ParquetRows {
                     self.layout.push(&mut parsed.chunk, &values);
                     parsed.numbers.push(row as u32);
                 }
-                Err(_) if self.skip_bad_rows => parsed.skipped += 1,
+                Err(bad) if self.skip_bad_rows => parsed.skipped.count(bad.reason),
                 Err(bad) => {
                     parsed.bad = Some(*bad);
                     break;
@@ -216,20 +217,26 @@ impl ParquetRows {
                     *value = f64::NAN;
                     None
                 }
-                None => Some("null: expected a finite number".to_owned()),
+                None => Some((
+                    Reason::EmptyCell,
+                    "null: expected a finite number".to_owned(),
+                )),
                 Some(found) if !found.is_finite() => {
-                    Some(format!("`{found}`: expected a finite number"))
+                    let message = format!("`{found}`: expected a finite number");
+                    Some((Reason::NotANumber, message))
                 }
                 Some(found) => {
                     *value = slot.conversion.of(found);
-                    Layout::objection(slot.kind, *value)
+                    let objection = Layout::objection(slot.kind, *value);
+                    objection.map(|message| (Reason::OutOfRange, message))
                 }
             };
-            if let Some(message) = objection {
+            if let Some((reason, message)) = objection {
                 let number = self.row + 1 + row as u64;
                 return Err(Box::new(Bad {
                     number,
                     time_s,
+                    reason,
                     error: self.layout.cell_error(number, slot.position, message),
                     is_fatal: false,
                 }));

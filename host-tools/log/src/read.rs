@@ -121,6 +121,7 @@ mod tests {
     use std::fs;
 
     use super::*;
+    use crate::skipped::SkippedRows;
     use crate::unit::AxisUnit;
 
     fn read(text: &str, options: &ReadOptions) -> Result<Log, LogError> {
@@ -216,9 +217,23 @@ mod tests {
             skip_bad_rows: true,
             ..ReadOptions::default()
         };
-        let text = "time_s,temp_c,x_dph\n0,20,1\n1,x,2\n1.5,21,nan\n1,22,3\n2,23\n3,24,4\n";
+        let text = "time_s,temp_c,x_dph\n0,20,1\n1,x,2\n1.5,21,nan\n1,22,3\n2,23\n2.5,,1\n2.6,300,1\n\
+            3,24,4\n3,24,4\n2,24,4\n";
         let log = read(text, &options).unwrap();
-        assert_eq!((log.rows(), log.skipped_rows), (3, 3));
+        let skipped = SkippedRows {
+            cell_count: 1,
+            empty_cell: 1,
+            not_a_number: 2,
+            out_of_range: 1,
+            time_order: 2,
+        };
+        assert_eq!((log.rows(), log.skipped_rows), (3, skipped));
+        assert_eq!((skipped.total(), skipped.share(3)), (7, 0.7));
+        assert_eq!(
+            skipped.to_string(),
+            "wrong number of cells 1, empty cell 1, not a number 2, out of range 1, time does not \
+             increase 2"
+        );
         assert_eq!(log.time_s, [0.0, 1.0, 3.0]);
         assert_eq!(log.channels[0].temp_c, [20.0, 22.0, 24.0]);
         assert_eq!(log.channels[0].axes[0].raw, [1.0, 3.0, 4.0]);

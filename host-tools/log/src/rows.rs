@@ -10,6 +10,7 @@ use super::dialect::{Separator, split_blanks};
 use super::layout::{Kind, Layout, Slot};
 use super::order::{Bad, Parsed};
 use super::records::{MOST_CELLS, Records};
+use super::skipped::{Reason, SkippedRows};
 
 /// Bytes that a row takes at least, about: room is made for so many rows.
 const BYTES_PER_ROW: usize = 16;
@@ -27,7 +28,7 @@ pub(super) fn parse(layout: &Layout, block: &Block, skip_bad_rows: bool) -> Pars
             base: block.first_line,
             numbers: Vec::with_capacity(capacity),
             has_blanks: false,
-            skipped: 0,
+            skipped: SkippedRows::default(),
             bad: None,
         },
     };
@@ -188,7 +189,9 @@ impl Rows<'_> {
         match self.checked(line, cells) {
             Ok(true) => self.keep(line),
             Ok(false) => {}
-            Err(bad) if self.skip_bad_rows && !bad.is_fatal => self.parsed.skipped += 1,
+            Err(bad) if self.skip_bad_rows && !bad.is_fatal => {
+                self.parsed.skipped.count(bad.reason);
+            }
             Err(bad) => {
                 self.parsed.bad = Some(*bad);
                 return false;
@@ -202,10 +205,11 @@ impl Rows<'_> {
         let layout = self.layout;
         let number = self.parsed.base + u64::from(line);
         let mut time_s = None;
-        let bad = |time_s, error| {
+        let bad = |time_s, reason, error| {
             Err(Box::new(Bad {
                 number,
                 time_s,
+                reason,
                 error,
                 is_fatal: false,
             }))
@@ -221,6 +225,7 @@ impl Rows<'_> {
                 return Err(Box::new(Bad {
                     number,
                     time_s,
+                    reason: Reason::OutOfRange,
                     error: LogError::line(&layout.path, number, message),
                     is_fatal: true,
                 }));
@@ -235,13 +240,15 @@ impl Rows<'_> {
                 cells.len(),
                 layout.header.len()
             );
-            return bad(None, LogError::line(&layout.path, number, message));
+            let error = LogError::line(&layout.path, number, message);
+            return bad(None, Reason::CellCount, error);
         }
         for (value, slot) in self.values.iter_mut().zip(&layout.slots) {
             match layout.value(slot, cells[slot.position].trim_ascii()) {
                 Ok(found) => *value = found,
-                Err(message) => {
-                    return bad(time_s, layout.cell_error(number, slot.position, message));
+                Err((reason, message)) => {
+                    let error = layout.cell_error(number, slot.position, message);
+                    return bad(time_s, reason, error);
                 }
             }
             self.parsed.has_blanks |= value.is_nan();

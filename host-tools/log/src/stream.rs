@@ -11,6 +11,7 @@ use super::layout::{Finder, Layout};
 use super::order::TimeOrder;
 use super::parquet::ParquetRows;
 use super::pipeline::Pipeline;
+use super::skipped::SkippedRows;
 use super::source::{Format, Source};
 use super::{LogError, ReadOptions, Reading};
 
@@ -153,7 +154,7 @@ impl LogStream {
     }
 
     /// Rows left out so far because skipping bad rows was asked for.
-    pub fn skipped_rows(&self) -> usize {
+    pub fn skipped_rows(&self) -> SkippedRows {
         self.order.skipped
     }
 

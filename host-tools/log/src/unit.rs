@@ -36,6 +36,11 @@ impl AxisUnit {
         }
     }
 
+    /// Whether it is of an accelerometer.
+    pub const fn is_acceleration(self) -> bool {
+        matches!(self, Self::Mps2 | Self::G)
+    }
+
     /// The unit in which the random walk of the axis's integral is stated, and what a figure in
     /// this unit times sqrt(s) is multiplied by: angle random walk of a gyro, velocity random walk
     /// of an accelerometer.

@@ -15,6 +15,11 @@ pub struct AxisSet {
     pub name: String,
     /// Unit of the bias.
     pub unit: AxisUnit,
+    /// Temperature at which the bias is 0 with the rate at 0 \[degC\]. Accelerometers alone have it:
+    /// their constant is gravity and stays in the output, so that the change of the bias about
+    /// this temperature is taken out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reference_c: Option<f64>,
     /// The polynomial of each segment.
     pub polynomials: Vec<Polynomial>,
     /// Standard deviations of the coefficients of each polynomial; empty in an imported set.

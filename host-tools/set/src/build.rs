@@ -28,13 +28,29 @@ pub struct Fitted {
 }
 
 /// Makes the channel's table; `calibrated_c` is the range of temperatures that was measured.
+///
+/// The bias of an accelerometer contains gravity, which belongs to the output. So its polynomials
+/// are shifted: what is taken out is the change of the bias about the reference temperature.
 pub fn channel(
-    fitted: Fitted,
+    mut fitted: Fitted,
     segmentation: &Segmentation,
     overlap: Overlap,
     thermal: ThermalSettings,
     calibrated_c: (f32, f32),
 ) -> ChannelSet {
+    let reference_c = f64::from(thermal.reference_c);
+    let accelerometers = fitted.axes.iter_mut();
+    for axis in accelerometers.filter(|axis| axis.unit.is_acceleration()) {
+        let model = AxisModel {
+            polynomials: &axis.polynomials,
+            overlap,
+        };
+        let constant = model.static_bias(segmentation, reference_c);
+        for polynomial in &mut axis.polynomials {
+            polynomial.a[0] -= constant;
+        }
+        axis.reference_c = Some(reference_c);
+    }
     let models: Vec<AxisModel> = fitted
         .axes
         .iter()

@@ -9,7 +9,7 @@ use std::path::Path;
 use serde::Deserialize;
 use sha2::{Digest, Sha256};
 use tempco::ThermalSettings;
-use tempco_log::{AxisUnit, hex};
+use tempco_log::{AxisUnit, SkippedRows, hex};
 
 use crate::build::{self, Fitted};
 use crate::model::{Polynomial, TERMS};
@@ -90,6 +90,7 @@ pub(crate) fn static_coefficients(path: &Path, text: &str) -> Result<Coefficient
                 .map(|(name, _, polynomials)| AxisSet {
                     name: name.to_lowercase(),
                     unit: AxisUnit::PulsesPerS,
+                    reference_c: None,
                     polynomials,
                     sigmas: Vec::new(),
                     gains: Vec::new(),
@@ -122,6 +123,7 @@ pub(crate) fn static_coefficients(path: &Path, text: &str) -> Result<Coefficient
         sha256: hex(&Sha256::digest(text.as_bytes())),
         rows,
         skipped_rows: 0,
+        skipped: SkippedRows::default(),
         unusable_rows: 0,
         interval_s: 0.0,
         duration_s: 0.0,

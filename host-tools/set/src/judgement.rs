@@ -103,6 +103,21 @@ codes! {
         ThinRun = "thin_run":
             "The logs cover fewer than 15 degC, or hold fewer than 20 means of 10 s.",
             "Do not use the set. Record a longer run over a wider range, up and down.";
+        TrendWithTemperature = "trend_with_temperature":
+            "On a log, the residual has a correlation with the temperature beyond 0.5 that is not by chance.",
+            "Do not use the set. Check the sensor and the formula of its temperature, then calibrate again.";
+        TrendWithRate = "trend_with_rate":
+            "On a log, the residual has a correlation with the rate of temperature beyond 0.5 that is not by chance.",
+            "Do not use the set. Fit with `--model auto`, or calibrate with more rates.";
+        OutsideCalibratedRange = "outside_calibrated_range":
+            "20 % or more of the rows of a log lie outside the calibrated temperatures or rates.",
+            "The log says little of the set. Calibrate over a wider range, or verify within it.";
+        TooManyBadRows = "too_many_bad_rows":
+            "More than 5 % of the rows of a log were left out as bad.",
+            "Mend the recording. If the reason is one column, name another one.";
+        HeldOutWorse = "held_out_worse":
+            "On soaks and ramps left out of the fit, an axis is worse than a constant by 25 % or more, and by more than one standard error.",
+            "Do not use the set. Fit with `--model auto`, or calibrate again.";
     }
 }
 
@@ -161,17 +176,17 @@ codes! {
             "Rounding in f32 can exceed 1 % of the bias stability with compensation.",
             "State the bound of the rounding in the sign-off.";
         ResidualFollowsTemperature = "residual_follows_temperature":
-            "The residual has a correlation with the temperature beyond 0.5.",
+            "The residual has a correlation with the temperature beyond chance.",
             "Fit with `--model auto` or more segments. If that does not help, calibrate again.";
         ResidualFollowsRate = "residual_follows_rate":
-            "The residual has a correlation with the rate of temperature beyond 0.5.",
+            "The residual has a correlation with the rate of temperature beyond chance.",
             "Fit with `--model auto`. If that does not help, calibrate with more rates.";
         ReferenceBetter = "reference_better":
             "The reference of the evaluation does better than the set.",
             "Use the reference, or calibrate again.";
         FlaggedRows = "flagged_rows":
-            "More than 1 % of the rows have a flag in their status other than `settling`.",
-            "The log leaves the calibrated range. Calibrate over a wider range.";
+            "5 % or more of the rows lie outside the calibrated range, or more than 1 % have another flag than `settling`.",
+            "The log leaves the calibrated range, or its temperature is not accepted. Check which, then calibrate over a wider range.";
         StandingTemperature = "standing_temperature":
             "The temperature stands still, bit by bit, and it is not clear whether the unit's does.",
             "Check the sensor. If it hung, leave the stretch out with `--exclude`.";
@@ -190,6 +205,9 @@ codes! {
         ResidualAboveNoise = "residual_above_noise":
             "What the model leaves of an axis is far above the noise of its rows.",
             "Look for a wrong temperature, vibration or motion. Fit with `--model auto`, which knows more lags.";
+        ConstantAlone = "constant_alone":
+            "On soaks and ramps left out of the fit, the terms of an axis are not better than a constant. It keeps the constant alone.",
+            "If the axis depends on the temperature, calibrate over a wider range, or look for what disturbs it.";
     }
 }
 
@@ -220,6 +238,15 @@ pub struct Warning {
 }
 
 impl Rejection {
+    /// Of no axis alone.
+    pub fn new(code: RejectionCode, message: String) -> Self {
+        Self {
+            code,
+            axis: None,
+            message,
+        }
+    }
+
     /// Of one axis; the message begins with its name.
     pub fn of_axis(code: RejectionCode, axis: &str, found: impl std::fmt::Display) -> Self {
         Self {

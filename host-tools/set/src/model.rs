@@ -119,6 +119,15 @@ pub struct AxisModel<'a> {
 }
 
 impl AxisModel<'_> {
+    /// Static bias at a temperature \[unit of the axis\].
+    pub fn static_bias(&self, segmentation: &Segmentation, temp_c: f64) -> f64 {
+        let pieces = segmentation.pieces(self.overlap);
+        let last = pieces.len() - 1;
+        let mut below = pieces[..last].iter();
+        let piece = below.find(|piece| temp_c < piece.to_c);
+        self.at(piece.unwrap_or(&pieces[last]), temp_c).0
+    }
+
     /// Static bias and bias per rate at a temperature of `piece`.
     pub fn at(&self, piece: &Piece, temp_c: f64) -> (f64, f64) {
         let cold = &self.polynomials[piece.segment];

@@ -1,10 +1,10 @@
 //! Where a set comes from, and what it was judged on.
 
 use serde::{Deserialize, Serialize};
-use tempco_log::Mapping;
 use tempco_log::signals::Finding;
+use tempco_log::{Mapping, SkippedRows};
 
-use crate::{Rejection, Warning};
+use crate::{Rejection, RejectionCode, Warning};
 
 /// The verdict of a verification log on a set.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -18,16 +18,34 @@ pub struct SignOff {
     pub judged: String,
     /// Averaging time of the bias stabilities that were compared \[s\].
     pub tau_s: f64,
-    /// Whether the compensation is better than none on every axis, and nothing else rejects the set.
+    /// Whether the log does not reject the set.
     pub accepted: bool,
-    /// The axes on which it is not.
+    /// The axes for which it does.
     pub worse_axes: Vec<String>,
-    /// What the log rejects the set for, besides worse axes.
+    /// Why it does; empty in older sets, where the compensation was not better than none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub rejections: Vec<Rejection>,
     /// What the log warned of.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<Warning>,
+}
+
+impl SignOff {
+    /// The axes and codes of the rejections, in a line.
+    pub fn reasons(&self) -> String {
+        let mut codes: Vec<&str> = Vec::new();
+        for code in self.rejections.iter().map(|of| of.code.name()) {
+            if !codes.contains(&code) {
+                codes.push(code);
+            }
+        }
+        if codes.is_empty() {
+            codes.push(RejectionCode::NoBetterThanNone.name());
+        }
+        let axes = self.worse_axes.iter().map(String::as_str);
+        let reasons: Vec<&str> = codes.into_iter().chain(axes).collect();
+        reasons.join(", ")
+    }
 }
 
 /// Where a set comes from.
@@ -54,6 +72,9 @@ pub struct Input {
     pub rows: usize,
     /// Rows left out for bad cells, on request.
     pub skipped_rows: usize,
+    /// The same by reason; absent in older sets.
+    #[serde(default, skip_serializing_if = "is_empty")]
+    pub skipped: SkippedRows,
     /// Rows that were not fitted because the core did not accept their temperature or interval.
     pub unusable_rows: usize,
     /// Median time between rows \[s\].
@@ -66,4 +87,8 @@ pub struct Input {
     /// How its columns were read, where they do not all have plain names.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mapping: Option<Mapping>,
+}
+
+fn is_empty(skipped: &SkippedRows) -> bool {
+    *skipped == SkippedRows::default()
 }

@@ -109,4 +109,20 @@ pub struct HeldOutErrors {
     pub composite: Option<f64>,
     /// The fitted model.
     pub chosen: Option<f64>,
+    /// Standard error, over the folds, of the difference between the mean squares of the fitted model
+    /// and without compensation, as a share of the latter.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub excess_sigma: Option<f64>,
+    /// The error of terms that were left out because they are not better than a constant; the axis
+    /// then keeps the constant alone.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub left_out: Option<f64>,
+}
+
+impl HeldOutErrors {
+    /// How much larger the mean square of the fitted model is than without compensation, as a
+    /// share; negative where the model helps.
+    pub fn excess(&self) -> Option<f64> {
+        Some((self.chosen? / self.none).powi(2) - 1.0)
+    }
 }

@@ -192,6 +192,18 @@ impl ChannelSet {
         Segmentation::new(ranges.collect())
     }
 
+    /// The axes whose bias is taken out as its change about a temperature, and that temperature, in
+    /// a sentence; none without accelerometers.
+    pub fn about_reference(&self) -> Option<String> {
+        let accelerometers = self.axes.iter().filter(|axis| axis.reference_c.is_some());
+        let names: Vec<&str> = accelerometers.clone().map(|axis| &axis.name[..]).collect();
+        let reference_c = accelerometers.filter_map(|axis| axis.reference_c).next()?;
+        Some(format!(
+            "{}: the change about {reference_c:.1} degC is taken out, so that gravity stays",
+            names.join(", ")
+        ))
+    }
+
     /// How far neighbouring segments disagree, for one axis.
     pub fn mismatches(&self, axis: usize) -> Vec<Mismatch> {
         self.segmentation().map_or_else(

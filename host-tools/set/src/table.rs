@@ -82,6 +82,17 @@ impl TableData {
             .collect()
     }
 
+    /// Whether an axis has a constant bias: neither temperature nor rate nor history changes it.
+    pub fn is_constant(&self, axis: usize) -> bool {
+        let first = self.cells.first().map(|cell| cell[axis].a[0]);
+        let mut cells = self.cells.iter().map(|cell| &cell[axis]);
+        let gains = self.plays.iter().map(|play| play.gain[axis]);
+        let mut gains = gains.chain(self.slow_parts.iter().map(|part| part.gain[axis]));
+        cells.all(|Terms { a, r }| {
+            first == Some(a[0]) && a[1..].iter().chain(r).all(|term| *term == 0.0)
+        }) && gains.all(|gain| gain == 0.0)
+    }
+
     /// Whether some play or second lag of the table is in use.
     pub fn has_history(&self) -> bool {
         self.plays.iter().any(|play| play.half_width_c > 0.0)

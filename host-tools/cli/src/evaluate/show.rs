@@ -38,10 +38,7 @@ pub(super) fn show(set: &CoefficientSet, evaluation: &Evaluation) -> Result<()> 
         evaluation.tau_s
     ))?;
     print_lines(residuals(&evaluation.axes))?;
-    print(format_args!(
-        "by chance alone |r| stays below {:.2} in 19 of 20 logs, if means do not follow each other",
-        2.0 / (evaluation.axes.first().map_or(1, |axis| axis.n) as f64).sqrt()
-    ))?;
+    print("by chance: |r| with T and with T' stays below it in 99 of 100 logs")?;
 
     show_hysteresis(&evaluation.axes)?;
     show_allan(&evaluation.axes)?;
@@ -117,10 +114,21 @@ fn residuals(axes: &[AxisEvaluation]) -> Table {
                     figure(max_abs),
                     r.map_or_else(dash, |r| format!("{:+.3}", r.temperature)),
                     r.map_or_else(dash, |r| format!("{:+.3}", r.rate)),
+                    r.map_or_else(dash, |r| {
+                        format!("{:.2}, {:.2}", r.temperature_chance, r.rate_chance)
+                    }),
                 ]
             })
     });
-    let header = ["axis", "", "RMSE", "max |error|", "r with T", "r with T'"];
+    let header = [
+        "axis",
+        "",
+        "RMSE",
+        "max |error|",
+        "r with T",
+        "r with T'",
+        "by chance",
+    ];
     table(&header, rows)
 }
 

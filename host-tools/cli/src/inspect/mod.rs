@@ -10,7 +10,7 @@ use tempco_evaluate::{boundaries, judge};
 use tempco_set::{ChannelSet, CoefficientSet, Judgement, RejectionCode, read_set};
 
 use crate::Exit;
-use crate::answer::{Answer, channel_note};
+use crate::answer::{Answer, channel_notes};
 use crate::image;
 use crate::shared_args::PrintArgs;
 
@@ -94,7 +94,7 @@ fn derived(set: &CoefficientSet, judgement: &Judgement) -> Value {
 
 /// Ranges, and where the set comes from.
 fn notes(set: &CoefficientSet) -> Vec<String> {
-    let mut notes: Vec<String> = set.channels.iter().map(channel_note).collect();
+    let mut notes: Vec<String> = set.channels.iter().flat_map(channel_notes).collect();
     let provenance = &set.provenance;
     notes.push(format!(
         "table CRC-32P4 {}, made by {} at {}",

@@ -30,10 +30,7 @@ pub(super) fn show(set: &CoefficientSet) -> Result<()> {
         let outcome = if verdict.accepted {
             "accepted".to_owned()
         } else {
-            format!(
-                "rejected: not improved on {}",
-                verdict.worse_axes.join(", ")
-            )
+            format!("rejected: {}", verdict.reasons())
         };
         print(format_args!(
             "  judged on {} at {}: {outcome}",

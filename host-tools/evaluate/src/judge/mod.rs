@@ -8,6 +8,7 @@
 //! What a set holds of its fit is judged wherever it is shown, so that the same set gets the same
 //! verdict from every command.
 
+mod bad_rows;
 mod merit;
 mod of_log;
 mod of_screening;

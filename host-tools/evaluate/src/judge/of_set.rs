@@ -5,6 +5,7 @@ use tempco_set::{
     TERMS, Warning, WarningCode,
 };
 
+use super::bad_rows;
 use super::merit::{Merit, no_better_than_none};
 use super::of_screening;
 use super::of_signals;
@@ -18,6 +19,9 @@ const LARGE_CONDITION: f64 = 100.0;
 
 /// A simpler model that does better by this share on what was left out is worth a warning.
 const CLEARLY_BETTER: f64 = 0.05;
+
+/// Terms whose error is so many times the error of a constant do harm.
+const CLEARLY_WORSE: f64 = 1.25;
 
 /// A boundary that was moved by more is worth a warning \[degC\].
 const LARGE_MOVE_C: f64 = 0.01;
@@ -42,9 +46,18 @@ pub(super) fn judge(set: &CoefficientSet, judgement: &mut Judgement) {
         judgement.rejections.extend(rejections);
         judgement.warnings.extend(warnings);
     }
+    // A constant cannot help, and the fit has said so. A set of constants is no compensation.
+    let mut axes = set.channels.iter().flat_map(|channel| {
+        let axes = 0..channel.axes.len();
+        axes.map(|axis| channel.table.is_constant(axis))
+    });
+    let has_terms = axes.any(|is_constant| !is_constant);
     for channel in &set.channels {
         for (number, axis) in channel.axes.iter().enumerate() {
-            judgement.rejections.extend(rejections(channel, number));
+            let is_judged = !(has_terms && channel.table.is_constant(number));
+            let found = rejections(channel, number, is_judged);
+            judgement.rejections.extend(found);
+            judgement.rejections.extend(held_out_worse(axis));
             let errors = held_out(axis);
             judgement.warnings.extend(errors);
             judgement.warnings.extend(above_noise(channel, axis));
@@ -63,6 +76,8 @@ pub(super) fn judge(set: &CoefficientSet, judgement: &mut Judgement) {
         warn_of_table(channel, warnings);
     }
     for input in &set.provenance.inputs {
+        let too_many = bad_rows::rejection(&input.file, input.rows, input.skipped);
+        judgement.rejections.extend(too_many);
         if input.unusable_rows > 0 {
             judgement.warnings.push(Warning::new(
                 WarningCode::UnusableRows,
@@ -76,7 +91,11 @@ pub(super) fn judge(set: &CoefficientSet, judgement: &mut Judgement) {
     }
 }
 
-fn rejections(channel: &ChannelSet, number: usize) -> impl Iterator<Item = Rejection> {
+fn rejections(
+    channel: &ChannelSet,
+    number: usize,
+    is_judged: bool,
+) -> impl Iterator<Item = Rejection> {
     let axis = &channel.axes[number];
     let disagree = channel.mismatch_alarm(number).then(|| {
         Rejection::of_axis(
@@ -86,7 +105,7 @@ fn rejections(channel: &ChannelSet, number: usize) -> impl Iterator<Item = Rejec
         )
     });
     // Bias stability where there are means of it, and the error of single rows.
-    let worse = axis.statistics.and_then(|of| {
+    let worse = axis.statistics.filter(|_| is_judged).and_then(|of| {
         let stability = Merit::bias_stability(of.sigma_raw, of.sigma_compensated);
         let stability = (of.n > 1).then_some(stability);
         let error = Merit::rms_error(of.rmse_raw, of.rmse_compensated);
@@ -96,9 +115,47 @@ fn rejections(channel: &ChannelSet, number: usize) -> impl Iterator<Item = Rejec
     disagree.into_iter().chain(worse)
 }
 
+/// Terms that do harm, by more than one standard error, where they were not fitted. Terms that do
+/// nothing are a little worse than a constant too: they are fitted to noise.
+fn held_out_worse(axis: &AxisSet) -> Option<Rejection> {
+    let errors = axis.held_out?;
+    let (excess, sigma) = (errors.excess()?, errors.excess_sigma?);
+    let is_clear = errors.chosen? >= CLEARLY_WORSE * errors.none;
+    (is_clear && excess > sigma).then(|| {
+        Rejection::of_axis(
+            RejectionCode::HeldOutWorse,
+            &axis.name,
+            format_args!(
+                "on soaks and ramps left out of the fit, the model is worse than a constant ({} \
+                 against {} {}), by {:.1} standard errors",
+                figure(errors.chosen.unwrap_or_default()),
+                figure(errors.none),
+                axis.unit,
+                excess / sigma
+            ),
+        )
+    })
+}
+
 fn held_out(axis: &AxisSet) -> Option<Warning> {
     let errors = axis.held_out?;
+    if let Some(left_out) = errors.left_out {
+        return Some(Warning::of_axis(
+            WarningCode::ConstantAlone,
+            &axis.name,
+            format_args!(
+                "on soaks and ramps left out of the fit, terms of temperature are not better than a \
+                 constant ({} against {} {}). It keeps the constant alone",
+                figure(left_out),
+                figure(errors.none),
+                axis.unit
+            ),
+        ));
+    }
     let chosen = errors.chosen?;
+    if held_out_worse(axis).is_some() {
+        return None;
+    }
     if chosen >= errors.none {
         return Some(Warning::of_axis(
             WarningCode::HeldOutNoBetter,
@@ -216,7 +273,8 @@ fn warn_of_terms(asked_for: Model, channel: &ChannelSet, warnings: &mut Vec<Warn
 /// Axes of a spline that are left without terms that others have.
 fn warn_of_axes(channel: &ChannelSet, with_rate: bool, warnings: &mut Vec<Warning>) {
     let with_history = channel.table.has_history();
-    for axis in &channel.axes {
+    let axes = channel.axes.iter().enumerate();
+    for (_, axis) in axes.filter(|(number, _)| !channel.table.is_constant(*number)) {
         let mut rates = axis.polynomials.iter().flat_map(|of| of.r);
         let no_rate = rates.all(|r| r == 0.0);
         if with_rate && no_rate {

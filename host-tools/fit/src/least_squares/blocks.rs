@@ -77,6 +77,12 @@ impl Blocks {
         self.raw[axis][block] + self.log_means[log][axis] - self.constants[log][axis]
     }
 
+    /// Mean of an axis: of the means of the logs \[unit of the axis\].
+    pub(crate) fn mean(&self, axis: usize) -> f64 {
+        let means = self.log_means.iter().map(|means| means[axis]);
+        means.sum::<f64>() / self.logs() as f64
+    }
+
     /// From the first to the last block of the longest log \[s\].
     pub(crate) fn longest_log_s(&self) -> f64 {
         let logs = self.blocks.chunk_by(|a, b| a.log == b.log);

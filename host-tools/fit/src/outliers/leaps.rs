@@ -173,10 +173,9 @@ pub(super) fn find(series: &Series) -> Leaps {
         .count();
     let most = Disturbance::MOST_SHARE * full.len() as f64;
     if (off + blocks_away) as f64 > most && all_small && off as f64 <= most {
-        let mut next = parts.iter().flatten().max().map_or(0, |last| last + 1);
-        for of in away(&parts) {
-            parts[of] = Some(next);
-            next += 1;
+        let next = parts.iter().flatten().max().map_or(0, |last| last + 1);
+        for (number, of) in (next..).zip(away(&parts)) {
+            parts[of] = Some(number);
         }
     }
     for of in away(&parts) {
@@ -309,8 +308,8 @@ fn parts(levels: &[Vec<f64>], sigmas: &[f64]) -> Vec<Option<usize>> {
     while first < levels.len() {
         let last = (first..levels.len()).rev().find(|&of| same(first, of));
         let last = last.unwrap_or(first);
-        for of in first..=last {
-            parts[of] = same(first, of).then_some(number);
+        for (of, part) in parts.iter_mut().enumerate().take(last + 1).skip(first) {
+            *part = same(first, of).then_some(number);
         }
         number += 1;
         first = last + 1;

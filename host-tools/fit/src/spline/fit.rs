@@ -113,8 +113,7 @@ pub(crate) fn fit(
         });
         gains.push(of_terms.collect());
         // The splines add up to 1: the mean constant of the logs goes to all of them.
-        let means = blocks.log_means.iter().map(|means| means[axis]);
-        let constant = means.sum::<f64>() / blocks.logs() as f64;
+        let constant = blocks.mean(axis);
         for coefficient in &mut coefficients[..basis.static_columns()] {
             *coefficient += constant;
         }

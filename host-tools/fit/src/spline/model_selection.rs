@@ -80,7 +80,8 @@ impl Question<'_> {
         self.regressors(self.settings.tau_s.into())
     }
 
-    /// Held-out errors of what a fit is to be compared with, and of the `chosen` one.
+    /// Held-out errors of what a fit is to be compared with, and of the `chosen` one. Where a model
+    /// was to be chosen, its terms are left out on axes on which a constant does as well.
     pub(crate) fn comparison(
         &self,
         segmentation: &Segmentation,
@@ -91,6 +92,7 @@ impl Question<'_> {
         let none = HeldOut::none(self.blocks, &folds);
         let cubic = HeldOut::cubic(self.blocks, &folds);
         let [fixed, composite] = self.of_segments(&base, &folds, segmentation);
+        let is_free = matches!(chosen, Chosen::HeldOut(_));
         let chosen = match chosen {
             Chosen::HeldOut(held_out) => Some(held_out),
             Chosen::Segments(SegmentModel::Static) => fixed.clone(),
@@ -100,14 +102,24 @@ impl Question<'_> {
             let held_out = held_out.as_ref()?;
             Some(held_out.mean_square(axis).sqrt())
         };
-        let of_axis = |axis: usize| HeldOutErrors {
-            legs: folds.soaks_and_ramps,
-            folds: folds.count,
-            none: none.mean_square(axis).sqrt(),
-            cubic: rmse(&cubic, axis),
-            static_model: rmse(&fixed, axis),
-            composite: rmse(&composite, axis),
-            chosen: rmse(&chosen, axis),
+        let of_axis = |axis: usize| {
+            let constant = none.mean_square(axis).sqrt();
+            let chosen_rmse = rmse(&chosen, axis);
+            let left_out = chosen_rmse.filter(|chosen| is_free && *chosen >= constant);
+            let excess = chosen.as_ref().map(|of| of.excess(&none, &[axis]));
+            HeldOutErrors {
+                legs: folds.soaks_and_ramps,
+                folds: folds.count,
+                none: constant,
+                cubic: rmse(&cubic, axis),
+                static_model: rmse(&fixed, axis),
+                composite: rmse(&composite, axis),
+                chosen: left_out.map_or(chosen_rmse, |_| Some(constant)),
+                excess_sigma: excess
+                    .map(|(_, sigma)| sigma)
+                    .filter(|sigma| left_out.is_none() && sigma.is_finite()),
+                left_out,
+            }
         };
         Ok((0..self.blocks.axes()).map(of_axis).collect())
     }

@@ -29,7 +29,7 @@ pub use log::{summarise_file, summarise_log};
 
 use tempco::{Interval, Thermal, ThermalPoint, ThermalState};
 use tempco_log::signals::Finding;
-use tempco_log::{AxisUnit, Reading};
+use tempco_log::{AxisUnit, Reading, SkippedRows};
 use tempco_set::Stretch;
 
 use crate::outliers::Spiked;
@@ -53,7 +53,7 @@ pub struct LogSummary {
     pub(crate) file: String,
     pub(crate) sha256: String,
     pub(crate) rows: usize,
-    pub(crate) skipped_rows: usize,
+    pub(crate) skipped_rows: SkippedRows,
     pub(crate) interval_s: f64,
     pub(crate) duration_s: f64,
     pub(crate) reading: Reading,
@@ -80,7 +80,7 @@ impl LogSummary {
     }
 
     /// Rows left out on reading because skipping bad rows was asked for.
-    pub fn skipped_rows(&self) -> usize {
+    pub fn skipped_rows(&self) -> SkippedRows {
         self.skipped_rows
     }
 }

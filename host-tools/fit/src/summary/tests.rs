@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use proptest::prelude::*;
 use tempco::{Terms, ThermalSettings};
-use tempco_log::{Axis, Channel, Log, ReadOptions, read_log};
+use tempco_log::{Axis, Channel, Log, ReadOptions, SkippedRows, read_log};
 use tempco_set::Model;
 use tempco_set::run::with_every_rate;
 use tempco_twin::{Profile, Simulation, Unit};
@@ -113,7 +113,7 @@ fn simulated(seed: u64, rate_hz: f64) -> Log {
         }],
         reading: tempco_log::Reading::default(),
         ignored_columns: Vec::new(),
-        skipped_rows: 0,
+        skipped_rows: SkippedRows::default(),
         interval_s: 1.0 / rate_hz,
     };
     let mut raw = vec![Vec::new(); 3];

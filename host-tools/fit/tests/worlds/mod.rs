@@ -4,7 +4,7 @@
 
 use std::sync::LazyLock;
 
-use tempco_log::{Axis, AxisUnit, Channel, Log};
+use tempco_log::{Axis, AxisUnit, Channel, Log, SkippedRows};
 use tempco_twin::Unit;
 
 /// Time between rows \[s\].
@@ -297,7 +297,7 @@ pub(crate) fn simulate(world: World, chamber_run: ChamberRun, seed: u64, run: u6
             }],
             reading: tempco_log::Reading::default(),
             ignored_columns: Vec::new(),
-            skipped_rows: 0,
+            skipped_rows: SkippedRows::default(),
             interval_s: INTERVAL_S,
         },
         truth,

@@ -144,7 +144,7 @@ impl Gatherer {
 mod tests {
     use tempco::{Status, ThermalPoint};
     use tempco_fit::{FitOptions, fit};
-    use tempco_log::{Axis, AxisUnit, Channel, Log};
+    use tempco_log::{Axis, AxisUnit, Channel, Log, SkippedRows};
     use tempco_set::Model;
     use tempco_set::run::AxisOutput;
 
@@ -171,7 +171,7 @@ mod tests {
             }],
             reading: tempco_log::Reading::default(),
             ignored_columns: Vec::new(),
-            skipped_rows: 0,
+            skipped_rows: SkippedRows::default(),
             interval_s: 1.0,
         };
         fit(&[log], &FitOptions::new("S1", Model::Static))

@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 use tempco_evaluate::{Role, figure};
-use tempco_set::{ChannelSet, CoefficientSet};
+use tempco_set::{ChannelSet, CoefficientSet, Input};
 
 use super::document::{cell, table};
 use crate::Subject;
@@ -46,7 +46,7 @@ fn inputs(set: &CoefficientSet) -> Markup {
         vec![
             cell(&input.file),
             cell(input.rows),
-            cell(input.skipped_rows),
+            cell(skipped(input)),
             cell(input.unusable_rows),
             cell(format!("{} s", figure(input.interval_s))),
             cell(format!("{:.2} h", input.duration_s / 3600.0)),
@@ -63,6 +63,15 @@ fn inputs(set: &CoefficientSet) -> Markup {
         "SHA-256",
     ];
     table(&head, rows.collect())
+}
+
+/// Rows left out on reading, with the reasons where they are known.
+fn skipped(input: &Input) -> String {
+    let reasons = input.skipped.to_string();
+    if reasons.is_empty() {
+        return input.skipped_rows.to_string();
+    }
+    format!("{}: {reasons}", input.skipped_rows)
 }
 
 fn settings(channel: &ChannelSet) -> Markup {
@@ -98,10 +107,7 @@ fn sign_offs(set: &CoefficientSet) -> Markup {
             let outcome = if sign_off.accepted {
                 "accepted".to_owned()
             } else {
-                let axes = sign_off.worse_axes.iter().map(String::as_str);
-                let codes = sign_off.rejections.iter().map(|of| of.code.name());
-                let reasons: Vec<&str> = axes.chain(codes).collect();
-                format!("rejected: {}", reasons.join(", "))
+                format!("rejected: {}", sign_off.reasons())
             };
             vec![
                 cell(&sign_off.file),

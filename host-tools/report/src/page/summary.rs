@@ -26,7 +26,8 @@ pub(super) fn summary(subject: &Subject) -> Markup {
                 ul { @for of in &judgement.warnings { (reason(of.code.name(), &of.message)) } }
             }
             h3 { "Calibrated for" }
-            ul { @for channel in &subject.set.channels { li { (range(channel)) } } }
+            ul { @for channel in &subject.set.channels { li { (range(channel)) }
+                @if let Some(about) = channel.about_reference() { li { (about) } } } }
         }
         section {
             @match subject.evaluation {

@@ -128,6 +128,9 @@ impl AxisSet {
             let noise = [("white", white), ("walk", walk)];
             all_within(&format!("{key}.noise"), &noise, &AT_LEAST_0)?;
         }
+        if let Some(reference_c) = self.reference_c {
+            within(format_args!("{key}.reference_c"), reference_c, ANY)?;
+        }
         if let Some(held_out) = &self.held_out {
             held_out.check(&format!("{key}.held_out"))?;
         }
@@ -176,6 +179,8 @@ impl HeldOutErrors {
             ("static", self.static_model),
             ("composite", self.composite),
             ("chosen", self.chosen),
+            ("excess_sigma", self.excess_sigma),
+            ("left_out", self.left_out),
         ];
         let errors = errors.into_iter();
         let found: Vec<_> = errors

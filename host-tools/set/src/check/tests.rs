@@ -61,7 +61,8 @@ fn example() -> Value {
     let sigmas = json!({"a": [0.1, 0.1, 0.1], "r": [0.0, 0.0]});
     axis["sigmas"] = json!([sigmas, sigmas]);
     axis["held_out"] = json!({"legs": 1, "folds": 1, "none": 1.0, "cubic": 1.0, "static": 1.0,
-        "composite": 1.0, "chosen": 1.0});
+        "composite": 1.0, "chosen": 1.0, "excess_sigma": 0.1, "left_out": 1.0});
+    axis["reference_c"] = json!(25.0);
     axis["statistics"] = json!({"rows": 1, "rmse_raw": 1.0, "rmse_cubic": 1.0,
         "rmse_compensated": 1.0, "tau_s": 100.0, "n": 1, "sigma_raw": 1.0, "sigma_cubic": 1.0,
         "sigma_compensated": 1.0, "serial_factor": 1.0});

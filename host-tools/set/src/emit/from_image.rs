@@ -103,6 +103,7 @@ fn axis_set(name: &str, unit: AxisUnit) -> AxisSet {
     AxisSet {
         name: name.to_owned(),
         unit,
+        reference_c: None,
         polynomials: Vec::new(),
         sigmas: Vec::new(),
         gains: Vec::new(),

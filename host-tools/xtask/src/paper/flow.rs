@@ -3,7 +3,7 @@
 use anyhow::{Context, Result};
 use tempco_evaluate::evaluate;
 use tempco_fit::{FitOptions, Method, SegmentModel, SegmentOverlap, fit};
-use tempco_log::{Axis, AxisUnit, Channel, Log};
+use tempco_log::{Axis, AxisUnit, Channel, Log, SkippedRows};
 use tempco_set::{CoefficientSet, Model, Segmentation};
 use tempco_twin::{AXIS_NAMES, DEFAULT_RATE_HZ, Profile, Simulation, Step, Unit};
 
@@ -118,7 +118,7 @@ fn simulate(unit: &Unit, profile: &Profile, seed: u64) -> Result<Log> {
         }],
         reading: tempco_log::Reading::default(),
         ignored_columns: Vec::new(),
-        skipped_rows: 0,
+        skipped_rows: SkippedRows::default(),
         interval_s: 1.0 / DEFAULT_RATE_HZ,
     })
 }
