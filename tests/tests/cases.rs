@@ -25,9 +25,20 @@ use Right::{Fits, Refused, Rejected};
 
 /// File, options, what is right.
 const CASES: &[(&str, &str, Right)] = &[
+    // Signals that are not a bias.
     ("saturated_axis/sat3pct.csv", "", Rejected(&["full_scale"])),
     ("saturated_axis/sat8pct.csv", "", Rejected(&["full_scale"])),
     ("saturated_axis/sat27pct.csv", "", Rejected(&["full_scale"])),
+    (
+        "rotated_during_run/carried.csv",
+        "",
+        Fits(0.02, &["spikes"]),
+    ),
+    (
+        "rotated_during_run/turntable.csv",
+        "",
+        Rejected(&["disturbed_share"]),
+    ),
     (
         "frozen_axis/gy_freezes.csv",
         "",
@@ -48,23 +59,28 @@ const CASES: &[(&str, &str, Right)] = &[
         "",
         Rejected(&["running_total"]),
     ),
+    ("power_cycle_inside/run1.csv", "", Fits(0.02, &[])),
+    (
+        "power_cycle_inside/concatenated.csv",
+        "",
+        Fits(ANY, &["bias_step"]),
+    ),
+    // Temperatures that are not the part's.
     (
         "temperature_folds/fold.csv",
         "",
         Rejected(&["temperature_jump"]),
     ),
     ("temperature_folds/right.csv", "", Fits(0.02, &[])),
+    ("fahrenheit/log.csv", "", Fits(ANY, &["fahrenheit"])),
+    // Time.
     (
-        "alternating_sources/log.csv",
+        "milliseconds/millis.csv",
         "",
-        Rejected(&["alternating_sources"]),
+        Refused(&["`GyX` has no unit", "--axis"]),
     ),
-    (
-        "fahrenheit/log.csv",
-        "",
-        Fits(f64::INFINITY, &["fahrenheit"]),
-    ),
-    ("bursts/log.csv", "", Fits(0.02, &[])),
+    ("milliseconds/millis.csv", MILLIS, Fits(0.2, &[])),
+    ("milliseconds/seconds.csv", "", Fits(0.2, &[])),
     ("microseconds_wrap/log.csv", "", Fits(0.02, &[])),
     ("time_restarts/log.csv", "", Fits(0.02, &[])),
     (
@@ -77,7 +93,81 @@ const CASES: &[(&str, &str, Right)] = &[
         "--skip-bad-rows",
         Fits(0.02, &[]),
     ),
-    ("milliseconds/seconds.csv", "", Fits(0.2, &[])),
+    ("bursts/log.csv", "", Fits(0.02, &[])),
+    (
+        "alternating_sources/log.csv",
+        "",
+        Rejected(&["alternating_sources"]),
+    ),
+    (
+        "alternating_sources/log.csv",
+        "--where I=0",
+        Fits(0.02, &[]),
+    ),
+    // Thin runs.
+    ("three_minutes/log.csv", "", Rejected(&["thin_run"])),
+    ("hot_air_gun/log.csv", "", Rejected(&["thin_run"])),
+    // Files as loggers write them.
+    ("px4_csv/log_sensor_gyro_0.csv", "", Fits(ANY, &[])),
+    (
+        "ardupilot_csv/log.csv",
+        "",
+        Refused(&["`I` has several sources", "--where I=0"]),
+    ),
+    ("ardupilot_csv/log.csv", "--where I=0", Fits(ANY, &[])),
+    ("raw_counts/log.csv", "", Refused(&["`gyx` has no unit"])),
+    ("raw_counts/log.csv", COUNTS, Fits(0.02, &[])),
+    ("european_spreadsheet/log.csv", "", Fits(0.02, &[])),
+    ("european_spreadsheet/brackets.csv", "", Fits(0.02, &[])),
+    (
+        "clock_times/iso.csv",
+        "",
+        Refused(&["`gx` has no unit", "--temp"]),
+    ),
+    ("clock_times/iso.csv", CLOCK, Fits(ANY, &[])),
+    ("blank_temperatures/log.csv", "", Fits(0.02, &[])),
+    ("two_imus_wide/log.csv", "", Fits(ANY, &[])),
+    (
+        "temperature_in_another_file/gyroscope.csv",
+        "",
+        Refused(&["--join"]),
+    ),
+    (
+        "temperature_in_another_file/gyroscope.csv",
+        "--join temperature.csv",
+        Fits(0.02, &[]),
+    ),
+];
+
+/// Units that are not deg/s, or no truth to compare with.
+const ANY: f64 = f64::INFINITY;
+
+const MILLIS: &str = "--temp Temp:degc --axis gx=GyX:dps --axis gy=GyY:dps --axis gz=GyZ:dps";
+
+const COUNTS: &str = "--temp tmp*0.0029411765+36.53:degc --axis gx=gyx*0.0076335878:dps \
+                      --axis gy=gyy*0.0076335878:dps --axis gz=gyz*0.0076335878:dps";
+
+const CLOCK: &str = "--time timestamp:iso --temp temperature:degc --axis gx=gx:radps \
+                     --axis gy=gy:radps --axis gz=gz:radps";
+
+/// Set and log of it, a second log, and the rejections there.
+const SECOND_LOGS: &[(&str, &str, &[&str])] = &[
+    (
+        "temperature_formula_changed/before.csv",
+        "temperature_formula_changed/after.csv",
+        &["trend_with_temperature"],
+    ),
+    ("bursts/log.csv", "bursts/verification.csv", &[]),
+    (
+        "power_cycle_inside/run1.csv",
+        "power_cycle_inside/run2.csv",
+        &[],
+    ),
+    (
+        "milliseconds/seconds.csv",
+        "saturated_axis/sat8pct.csv",
+        &["full_scale"],
+    ),
 ];
 
 /// A Python with numpy: the system's, or one that is installed below `target`.
@@ -199,12 +289,9 @@ fn fault(bench: &Bench, logs: &Path, file: &str, options: &str, right: Right) ->
     (!is_right).then(|| format!("{file} {options}: expected {right:?}\n{found}"))
 }
 
-#[test]
-fn every_case_is_read_right_or_refused_with_its_cause() {
-    let (Some(script), Some(python)) = (shared("cases/make.py"), python()) else {
-        return;
-    };
-    let bench = Bench::new();
+/// The script's cases in a folder; `None` where script or Python are absent.
+fn made(bench: &Bench) -> Option<PathBuf> {
+    let (script, python) = (shared("cases/make.py")?, python()?);
     let logs = bench.path("cases");
     let made = Command::new(python)
         .arg(script)
@@ -216,6 +303,18 @@ fn every_case_is_read_right_or_refused_with_its_cause() {
         "{}",
         String::from_utf8_lossy(&made.stderr)
     );
+    // A joined log lies where the command runs.
+    let temperatures = logs.join("temperature_in_another_file/temperature.csv");
+    std::fs::copy(temperatures, bench.path("temperature.csv")).unwrap();
+    Some(logs)
+}
+
+#[test]
+fn every_case_is_read_right_or_refused_with_its_cause() {
+    let bench = Bench::new();
+    let Some(logs) = made(&bench) else {
+        return;
+    };
     let faults: Vec<String> = CASES
         .iter()
         .filter_map(|&(file, options, right)| fault(&bench, &logs, file, options, right))
@@ -226,4 +325,70 @@ fn every_case_is_read_right_or_refused_with_its_cause() {
         faults.len(),
         faults.join("\n\n")
     );
+}
+
+#[test]
+fn second_logs_are_judged_right() {
+    let bench = Bench::new();
+    let Some(logs) = made(&bench) else {
+        return;
+    };
+    for (number, (first, second, expected)) in SECOND_LOGS.iter().enumerate() {
+        let (first, second) = (logs.join(first), logs.join(second));
+        bench.ok(&format!(
+            "fit {} --serial S --out {number} --no-report",
+            first.display()
+        ));
+        let evaluate = format!(
+            "evaluate {number}/coefficients.json {} --json",
+            second.display()
+        );
+        let ran = bench.run(&evaluate);
+        assert_eq!(
+            ran.code,
+            i32::from(!expected.is_empty()),
+            "{}{}",
+            ran.out,
+            ran.err
+        );
+        let found = codes(&serde_json::from_str(&ran.out).unwrap(), "rejections");
+        for code in *expected {
+            assert!(found.iter().any(|of| of == code), "{code}: {found:?}");
+        }
+    }
+}
+
+/// An accelerometer keeps gravity: fitted level, then tilted by 30 degrees at 45 degC.
+#[test]
+fn gravity_stays() {
+    let bench = Bench::new();
+    let Some(logs) = made(&bench) else {
+        return;
+    };
+    let of = |name: &str| {
+        logs.join("accelerometer_at_one_g")
+            .join(name)
+            .display()
+            .to_string()
+    };
+    bench.ok(&format!(
+        "fit {} --serial S --out set --no-report",
+        of("level.csv")
+    ));
+    bench.ok(&format!(
+        "apply set/coefficients.json {} --out out.csv",
+        of("tilted30.csv")
+    ));
+    let mut rows = csv::Reader::from_path(bench.path("out.csv")).unwrap();
+    let header = rows.headers().unwrap().clone();
+    let column = header
+        .iter()
+        .position(|name| name.starts_with("az_compensated"))
+        .unwrap();
+    let values = rows
+        .records()
+        .map(|row| row.unwrap()[column].parse::<f64>().unwrap());
+    let values: Vec<f64> = values.collect();
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    assert!((mean + 8.5).abs() < 0.06, "{mean}");
 }
