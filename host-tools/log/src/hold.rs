@@ -2,10 +2,8 @@
 
 use super::LogError;
 use super::chunk::{Chunk, retain};
+use super::join::HOLD_S;
 use super::layout::Layout;
-
-/// A temperature is held for so long where there is none \[s\].
-pub(super) const HOLD_S: f64 = 10.0;
 
 /// Follows the temperatures of a log.
 #[derive(Debug, Default)]

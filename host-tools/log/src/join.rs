@@ -1,15 +1,13 @@
 //! Temperatures of another log, joined by time.
 
-use std::path::Path;
 use std::sync::Arc;
 
 use super::chunk::Chunk;
-use super::columns::{ChannelColumns, FoundTemp, TempSource, joined_temps};
-use super::hold::HOLD_S;
-use super::mapping::Mapping;
-use super::stream::LogStream;
+use super::columns::{ChannelColumns, FoundTemp, TempSource};
 use super::time::TimeUnit;
-use super::{LogError, ReadOptions};
+
+/// A temperature is held for so long where there is none \[s\].
+pub(super) const HOLD_S: f64 = 10.0;
 
 /// The temperatures of another log.
 #[derive(Clone, Debug)]
@@ -18,52 +16,14 @@ pub(super) struct Joined {
     pub(super) temps: Vec<FoundTemp>,
     /// The file.
     pub(super) file: String,
-    unit: TimeUnit,
-    origin_ns: Option<i128>,
+    pub(super) unit: TimeUnit,
+    pub(super) origin_ns: Option<i128>,
     /// Seconds to add to its times to get times of the log.
-    offset_s: f64,
-    rows: Arc<Chunk>,
+    pub(super) offset_s: f64,
+    pub(super) rows: Arc<Chunk>,
 }
 
 impl Joined {
-    /// Reads a log of which only time and temperatures are needed.
-    ///
-    /// # Errors
-    /// Those of any log.
-    pub(super) fn read(
-        path: &Path,
-        options: &ReadOptions,
-        mapping: &Mapping,
-    ) -> Result<Self, LogError> {
-        let own = ReadOptions {
-            mapping: Mapping {
-                time: mapping.time.clone(),
-                temp: mapping.temp.clone(),
-                ..Mapping::default()
-            },
-            kept: Vec::new(),
-            ..options.clone()
-        };
-        let mut stream = LogStream::open_joined(path, &own)?;
-        let mut rows = stream.empty_chunk();
-        while let Some(chunk) = stream.next_chunk()? {
-            rows.append(&chunk);
-        }
-        if rows.rows() == 0 {
-            return Err(LogError::too_few_rows(path, 0));
-        }
-        let layout = stream.layout();
-        let temps = joined_temps(&layout.header, &own.mapping);
-        Ok(Self {
-            temps: temps.map_err(|message| LogError::file(path, message))?,
-            file: path.display().to_string(),
-            unit: layout.columns.time_unit,
-            origin_ns: layout.origin_ns,
-            offset_s: 0.0,
-            rows: Arc::new(rows),
-        })
-    }
-
     /// Brings its times to the times of the log.
     ///
     /// # Errors

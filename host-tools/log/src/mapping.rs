@@ -165,7 +165,7 @@ pub(crate) fn time(text: &str, header: &[String]) -> Result<(usize, Option<TimeU
         ));
     }
     let unit = found.unit.map(|unit| {
-        TimeUnit::parse(unit).ok_or_else(|| {
+        names::time_option(unit).ok_or_else(|| {
             format!(
                 "--time: unknown unit `{}`: expected s, ms, us, ns or iso",
                 excerpt(unit)

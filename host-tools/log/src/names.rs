@@ -88,6 +88,18 @@ pub(crate) fn time_unit(unit: &str) -> Option<TimeUnit> {
     })
 }
 
+/// The unit of a time as in `--time COL:UNIT`.
+pub(crate) fn time_option(text: &str) -> Option<TimeUnit> {
+    if text.eq_ignore_ascii_case("iso") {
+        return Some(TimeUnit::Iso);
+    }
+    let rate = text.to_ascii_lowercase();
+    if let Some(rate) = rate.strip_suffix("hz").and_then(|rate| rate.parse().ok()) {
+        return (1e-3..=1e9).contains(&rate).then_some(TimeUnit::Hz(rate));
+    }
+    time_unit(text)
+}
+
 /// A unit of temperature.
 pub(crate) fn temp_unit(unit: &str) -> Option<TempUnit> {
     Some(match &plain(unit)[..] {
@@ -328,5 +340,15 @@ mod tests {
         assert_eq!(temp_owner("imu0_temp").as_deref(), Some("imu0"));
         assert_eq!(temp_owner("IMU Temperature").as_deref(), Some("imu"));
         assert_eq!(temp_owner("attempt"), None);
+    }
+
+    #[test]
+    fn units_are_read_as_they_are_written() {
+        for text in ["s", "ms", "us", "ns", "iso", "100hz", "10000hz", "0.5hz"] {
+            assert_eq!(time_option(text).unwrap().to_string(), text);
+        }
+        assert_eq!(time_option("Hz"), None);
+        assert_eq!(time_option("0hz"), None);
+        assert_eq!(time_option("min"), None);
     }
 }

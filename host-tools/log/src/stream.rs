@@ -5,9 +5,10 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::chunk::Chunk;
-use super::columns::ChannelColumns;
+use super::columns::{ChannelColumns, joined_temps};
 use super::join::Joined;
 use super::layout::{Finder, Layout};
+use super::mapping::Mapping;
 use super::order::TimeOrder;
 use super::parquet::ParquetRows;
 use super::pipeline::Pipeline;
@@ -77,9 +78,9 @@ impl LogStream {
             Some((path.with_file_name(name), kept)).filter(|(file, _)| file.is_file())
         });
         let joined = match (given, kept.take(1).next()) {
-            (Some(file), _) => Some(Joined::read(&file, options, &options.mapping)?),
+            (Some(file), _) => Some(read_joined(&file, options, &options.mapping)?),
             (None, Some((file, kept))) => {
-                Some(Joined::read(&file, options, &options.mapping.or(kept))?)
+                Some(read_joined(&file, options, &options.mapping.or(kept))?)
             }
             (None, None) => None,
         };
@@ -200,4 +201,38 @@ impl LogStream {
     pub fn empty_chunk(&self) -> Chunk {
         self.layout.chunk(0)
     }
+}
+
+/// Reads a log of which only time and temperatures are needed.
+///
+/// # Errors
+/// Those of any log.
+fn read_joined(path: &Path, options: &ReadOptions, mapping: &Mapping) -> Result<Joined, LogError> {
+    let own = ReadOptions {
+        mapping: Mapping {
+            time: mapping.time.clone(),
+            temp: mapping.temp.clone(),
+            ..Mapping::default()
+        },
+        kept: Vec::new(),
+        ..options.clone()
+    };
+    let mut stream = LogStream::open_joined(path, &own)?;
+    let mut rows = stream.empty_chunk();
+    while let Some(chunk) = stream.next_chunk()? {
+        rows.append(&chunk);
+    }
+    if rows.rows() == 0 {
+        return Err(LogError::too_few_rows(path, 0));
+    }
+    let layout = stream.layout();
+    let temps = joined_temps(&layout.header, &own.mapping);
+    Ok(Joined {
+        temps: temps.map_err(|message| LogError::file(path, message))?,
+        file: path.display().to_string(),
+        unit: layout.columns.time_unit,
+        origin_ns: layout.origin_ns,
+        offset_s: 0.0,
+        rows: Arc::new(rows),
+    })
 }

@@ -6,8 +6,6 @@ use jiff::Timestamp;
 use jiff::civil::{Date, DateTime, Time};
 use jiff::tz::TimeZone;
 
-use super::names;
-
 /// How the cells of a time column are read.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum TimeUnit {
@@ -26,18 +24,6 @@ pub(crate) enum TimeUnit {
 }
 
 impl TimeUnit {
-    /// As in `--time COL:UNIT`.
-    pub(crate) fn parse(text: &str) -> Option<Self> {
-        if text.eq_ignore_ascii_case("iso") {
-            return Some(Self::Iso);
-        }
-        let rate = text.to_ascii_lowercase();
-        if let Some(rate) = rate.strip_suffix("hz").and_then(|rate| rate.parse().ok()) {
-            return (1e-3..=1e9).contains(&rate).then_some(Self::Hz(rate));
-        }
-        names::time_unit(text)
-    }
-
     /// How many make a second; none of clock times.
     pub(crate) fn per_second(self) -> Option<f64> {
         match self {
@@ -121,15 +107,5 @@ mod tests {
         ] {
             assert_eq!(clock_ns(text), None, "{text}");
         }
-    }
-
-    #[test]
-    fn units_are_read_as_they_are_written() {
-        for text in ["s", "ms", "us", "ns", "iso", "100hz", "10000hz", "0.5hz"] {
-            assert_eq!(TimeUnit::parse(text).unwrap().to_string(), text);
-        }
-        assert_eq!(TimeUnit::parse("Hz"), None);
-        assert_eq!(TimeUnit::parse("0hz"), None);
-        assert_eq!(TimeUnit::parse("min"), None);
     }
 }

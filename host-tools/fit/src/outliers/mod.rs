@@ -7,7 +7,7 @@ mod leaps;
 mod spikes;
 mod steps;
 
-pub(crate) use spikes::{SpikeFilter, Spiked, window_rows};
+pub(crate) use spikes::{SpikeFilter, window_rows};
 
 use tempco::{TableError, ThermalSettings};
 use tempco_set::{Disturbance, Screening};

@@ -6,7 +6,7 @@ use tempco_log::decimate::Decimated;
 use tempco_log::median::median;
 
 use crate::outliers::{SIGMA_PER_MAD, SIGMA_PER_STEP};
-use crate::summary::Rows;
+use crate::summary::{Rows, Spiked};
 
 /// Rows further from their local median than this many standard deviations are left out: of
 /// normal noise one in 5e8.
@@ -49,15 +49,6 @@ pub(crate) struct SpikeFilter {
     spikes: usize,
     /// By axis.
     places: Vec<Spiked>,
-}
-
-/// The spikes of an axis.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Spiked {
-    pub(crate) rows: usize,
-    /// Time of the first and the last one \[s\].
-    pub(crate) from_s: f64,
-    pub(crate) to_s: f64,
 }
 
 #[derive(Clone, Debug)]

@@ -32,8 +32,6 @@ use tempco_log::signals::Finding;
 use tempco_log::{AxisUnit, Reading, SkippedRows};
 use tempco_set::Stretch;
 
-use crate::outliers::Spiked;
-
 /// What must be known before a log is summarised; see [`FitOptions::plan`](crate::FitOptions::plan).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
@@ -105,6 +103,15 @@ pub(crate) struct ChannelSummary {
     pub(crate) spike_rows: usize,
     /// By axis; empty if spikes were not looked for.
     pub(crate) spiked: Vec<Spiked>,
+}
+
+/// The spikes of an axis.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Spiked {
+    pub(crate) rows: usize,
+    /// Time of the first and the last one \[s\].
+    pub(crate) from_s: f64,
+    pub(crate) to_s: f64,
 }
 
 /// An axis as it is called in the log.
