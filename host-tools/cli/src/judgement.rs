@@ -71,10 +71,9 @@ pub(crate) fn say_rejections(subject: impl std::fmt::Display, judgement: &Judgem
 pub(crate) fn reasons_within(judgement: &Judgement, room: usize) -> Vec<String> {
     let reasons = Reason::group(judgement);
     let count = reasons.len();
-    let rejections = reasons.iter().filter(|of| of.kind == REJECTION).count();
     // How many reasons have their whole message, and how many at least the beginning of it.
     let all_have_one = (0..=count).rev().map(|whole| (whole, count));
-    let codes_alone = (rejections..count).rev().map(|begun| (0, begun));
+    let codes_alone = (0..count).rev().map(|begun| (0, begun));
     let mut lines = Vec::new();
     for (whole, begun) in all_have_one.chain(codes_alone) {
         lines = Reason::lines(&reasons, whole, begun);
@@ -170,9 +169,12 @@ impl<'a> Reason<'a> {
         for reason in &reasons[whole..begun] {
             lines.push(shorten(&reason.text()));
         }
-        let others: Vec<&str> = reasons[begun..].iter().map(|of| of.code).collect();
-        if !others.is_empty() {
-            lines.extend(wrap(&format!("warnings also: {}", others.join(", "))));
+        for (kind, also) in [(REJECTION, "rejections also"), (WARNING, "warnings also")] {
+            let others = reasons[begun..].iter().filter(|of| of.kind == kind);
+            let others: Vec<&str> = others.map(|of| of.code).collect();
+            if !others.is_empty() {
+                lines.extend(wrap(&format!("{also}: {}", others.join(", "))));
+            }
         }
         if whole < reasons.len() || reasons.iter().any(|of| of.messages.len() > 1) {
             lines.push("(--verbose has every message in full)".to_owned());
@@ -226,7 +228,7 @@ mod tests {
             "f",
         ];
         for axes in [&["x"][..], &["x", "y", "z"], &long] {
-            for room in 10..100 {
+            for room in 16..100 {
                 let lines = reasons_within(&worst(axes), room);
                 assert!(lines.len() <= room, "{room}: {lines:#?}");
                 assert!(
@@ -241,7 +243,7 @@ mod tests {
                     let count = words.iter().filter(|word| *word == code).count();
                     assert_eq!(count, 1, "{code}: {lines:#?}");
                 }
-                let is_shortened = axes.len() > 1 || room < 40;
+                let is_shortened = axes.len() > 1 || room < 80;
                 assert!(!is_shortened || lines.concat().contains("--verbose"));
             }
         }
