@@ -217,8 +217,8 @@ mod tests {
             skip_bad_rows: true,
             ..ReadOptions::default()
         };
-        let text = "time_s,temp_c,x_dph\n0,20,1\n1,x,2\n1.5,21,nan\n1,22,3\n2,23\n2.5,,1\n2.6,300,1\n\
-            3,24,4\n3,24,4\n2,24,4\n";
+        let text = "time_s,temp_c,x_dph\n0,20,1\n1,x,2\n1.5,21,nan\n1,22,3\n2,23\n2.5,22,\n2.6,300,1\n\
+            3,24,4\n3,24,5\n2,24,4\n";
         let log = read(text, &options).unwrap();
         let skipped = SkippedRows {
             cell_count: 1,
