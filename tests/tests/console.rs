@@ -136,7 +136,7 @@ fn an_answer_fits_on_a_screen_whatever_the_verdict() {
 
         let fitted = bench.run(&format!("fit bad.csv {fit}"));
         let fitted = answer(&fitted, "rejected, not yet verified");
-        for code in ["segments_disagree", "spikes"] {
+        for code in ["many_bias_steps", "spikes"] {
             assert!(fitted.contains(code), "{code}: {fitted}");
         }
         answer(

@@ -100,6 +100,9 @@ codes! {
         LargeBiasStep = "large_bias_step":
             "The bias of an axis steps by more than that of a unit at rest can.",
             "Do not use the set. Leave the times out with `--exclude`, or record the log again with the unit at rest.";
+        ManyBiasSteps = "many_bias_steps":
+            "The bias of an axis steps four times or more in a log.",
+            "Do not use the set. If it steps at one temperature, the model cannot follow it; else look for a loose contact.";
         ThinRun = "thin_run":
             "The logs cover fewer than 15 degC, or hold fewer than 20 means of 10 s.",
             "Do not use the set. Record a longer run over a wider range, up and down.";

@@ -7,6 +7,9 @@ use tempco_set::{
 
 use crate::text::figure;
 
+/// So many steps of an axis in a log are not power cycles: something comes and goes.
+const MANY_STEPS: usize = 4;
+
 /// What the logs of a channel say against its fit.
 pub(super) fn rejections(channel: &ChannelSet) -> Vec<Rejection> {
     let Some(found) = &channel.screening else {
@@ -54,7 +57,30 @@ pub(super) fn rejections(channel: &ChannelSet) -> Vec<Rejection> {
             Extent::LEAST_MEANS
         ),
     });
-    spoilt.chain(leapt).chain(thin).collect()
+    let many = many_steps(found);
+    spoilt.chain(leapt).chain(many).chain(thin).collect()
+}
+
+/// Each axis that steps again and again, log by log.
+fn many_steps(found: &Screening) -> Vec<Rejection> {
+    let of = |step: &BiasStep| (step.file.clone(), step.axis.clone());
+    let mut places: Vec<_> = found.steps.iter().map(of).collect();
+    places.sort_unstable();
+    let runs = places.chunk_by(|a, b| a == b);
+    let rejection = |run: &[(String, String)]| {
+        let (file, axis) = &run[0];
+        Rejection::of_axis(
+            RejectionCode::ManyBiasSteps,
+            axis,
+            format_args!(
+                "{file}: the bias steps {} times; look for a loose contact, or for a bias that \
+                 jumps at a temperature",
+                run.len()
+            ),
+        )
+    };
+    let many = runs.filter(|run| run.len() >= MANY_STEPS);
+    many.map(rejection).collect()
 }
 
 /// "log.csv: 4.0 % of the rows, from 500 to 1400 s"
