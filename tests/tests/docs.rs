@@ -1,5 +1,6 @@
 //! What the documents show is run: every `$ tempco` line of a `console` block, in order, in one
-//! folder per document, where every `toml` block that begins with `# NAME.toml` is a file.
+//! folder per document, where every `toml` block that begins with `# NAME.toml` is a file. A line
+//! with `# rejected` behind it must end with exit code 1, every other line with 0.
 
 use std::fs;
 use std::path::Path;
@@ -52,13 +53,17 @@ fn run_all(path: &Path) -> usize {
     let commands = commands(&document);
     for command in &commands {
         assert_eq!(command[0], "tempco", "{command:?}");
+        let end = command.iter().position(|word| word == "#");
+        let end = end.unwrap_or(command.len());
+        let expected = i32::from(command[end..].iter().any(|word| word == "rejected"));
         let output = Command::new(tempco_path())
             .current_dir(bench.path("."))
-            .args(&command[1..])
+            .args(&command[1..end])
             .output()
             .unwrap();
-        assert!(
-            output.status.success(),
+        assert_eq!(
+            output.status.code(),
+            Some(expected),
             "{}: {}\n{}{}",
             path.display(),
             command.join(" "),
