@@ -1,5 +1,5 @@
 //! Spoilt and unusual logs, as people reported them in public: each is read right, or refused or
-//! rejected with its cause. The script that writes them lies beside the project; the truth is in it.
+//! rejected with its cause. The script that writes them is not part of the project; it holds the truth.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;

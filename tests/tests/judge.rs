@@ -181,7 +181,7 @@ const CASES: [Case; 40] = [
     Case {
         name: "worse by sigma only",
         change: |set| statistics(set, &[("sigma_raw", 0.1), ("sigma_compensated", 0.2)]),
-        codes: &["no_better_than_none"],
+        codes: &["no_better_than_none", "residual_above_noise"],
         ..PLAIN
     },
     Case {
