@@ -1,6 +1,6 @@
 //! How a text is divided into cells: its separator, its header, and lines before the header.
 
-use memchr::memchr2;
+use memchr::memchr2_iter;
 
 use super::decimal;
 use super::known::FLYSIGHT_ROW;
@@ -98,7 +98,7 @@ fn first_lines(text: &[u8], is_at_end: bool) -> Vec<Line<'_>> {
     let (mut found, mut number, mut start) = (Vec::new(), 0, 0);
     while start < text.len() && found.len() < LINES {
         let rest = &text[start..];
-        let Some(length) = memchr2(b'\n', b'\r', rest).or(is_at_end.then_some(rest.len())) else {
+        let Some(length) = line_length(rest).or(is_at_end.then_some(rest.len())) else {
             break;
         };
         let line = &rest[..length];
@@ -114,9 +114,36 @@ fn first_lines(text: &[u8], is_at_end: bool) -> Vec<Line<'_>> {
             _ => 1,
         };
         start += length + end;
-        number += 1;
+        number += 1 + line.iter().filter(|byte| **byte == b'\n').count() as u32;
     }
     found
+}
+
+/// Bytes up to the end of the first line. Cells in quotes may hold the ends of some lines; a quote
+/// that none of them closes is a letter like others.
+fn line_length(text: &[u8]) -> Option<usize> {
+    const MOST_LINES: usize = 16;
+    let mut ends = memchr2_iter(b'\n', b'\r', text);
+    let first = ends.next()?;
+    let mut ends = std::iter::once(first).chain(ends).take(MOST_LINES);
+    Some(
+        ends.find(|&end| !ends_in_quotes(&text[..end]))
+            .unwrap_or(first),
+    )
+}
+
+/// Whether the last cell in quotes is not closed.
+fn ends_in_quotes(line: &[u8]) -> bool {
+    let (mut is_open, mut before) = (false, b',');
+    for &byte in line {
+        // A quote opens a cell at its start, and again where two of them stand for one.
+        let can_open = matches!(before, b',' | b';' | b'\t' | b'|' | b'"');
+        if byte == b'"' {
+            is_open = !is_open && can_open;
+        }
+        before = byte;
+    }
+    is_open
 }
 
 /// A line in cells; quotes are read, and marks of comments before a header taken off.

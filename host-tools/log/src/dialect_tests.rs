@@ -214,6 +214,25 @@ fn lines_are_counted_from_the_start_of_the_file() {
     assert!(refused(text).starts_with(":2: "), "{}", refused(text));
 }
 
+/// Spreadsheets write names of two lines.
+#[test]
+fn names_in_quotes_may_have_several_lines() {
+    let rows = "0,20,1\n1,20,2\n2,20,no\n";
+    for (header, line) in [
+        ("\"Time\n[s]\",\"Temp\n(\u{b0}C)\",\"Gyro X\n(deg/s)\"\n", 7),
+        ("\"Time [s]\r\n\",\"Temp\r\n(degC)\",x_dps\r\n", 6),
+        (
+            "a \"loose\" mark, 5\" wide\n\"time_s\",\"temp_c\",\"x_dps\"\n",
+            5,
+        ),
+        ("\"never closed\ntime_s,temp_c,x_dps\n", 5),
+    ] {
+        let error = refused(&format!("{header}{rows}"));
+        assert!(error.starts_with(&format!(":{line}:3")), "{error}");
+        assert!(error.contains("`no`"), "{error}");
+    }
+}
+
 /// Garbage between header and numbers, and words for missing numbers, are bad rows.
 #[test]
 fn bad_first_rows_are_no_header() {

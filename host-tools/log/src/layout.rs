@@ -405,16 +405,20 @@ impl Layout {
 
 const NO_TEXT: &str = "the header is no text: expected column names such as `time_s,temp_c,x_dph`";
 
-/// A name as text. Bytes that are not UTF-8 are Latin-1, in which spreadsheets write `°`.
+/// A name as text. Bytes that are not UTF-8 are Latin-1, in which spreadsheets write `°`; a control
+/// character among them says that they are no text.
 fn text_of(name: &[u8]) -> Option<String> {
     let text = match str::from_utf8(name) {
         Ok(text) => text.to_owned(),
-        Err(_) => name.iter().map(|&byte| char::from(byte)).collect(),
+        Err(_) => {
+            let text: String = name.iter().map(|&byte| char::from(byte)).collect();
+            if text.contains(char::is_control) {
+                return None;
+            }
+            text
+        }
     };
-    let is_text = !text
-        .chars()
-        .any(|letter| letter.is_control() && letter != '\t' && letter != '\n' && letter != '\r');
-    is_text.then(|| text.trim().to_owned())
+    Some(text.trim().to_owned())
 }
 
 /// Whether the numbers of the first rows, in the columns that are read, have a decimal comma.
