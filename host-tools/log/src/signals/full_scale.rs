@@ -15,6 +15,9 @@ const OVER_SECOND: usize = 4;
 /// An extreme value is far from the rest of the axis if this many times their spread is between.
 const FAR: f64 = 8.0;
 
+/// Rows that are compared at once.
+const BLOCK: usize = 64;
+
 /// Rows that the spread of an axis is taken from.
 const SAMPLE: usize = 1 << 12;
 
@@ -72,13 +75,9 @@ impl FullScale {
     pub(super) fn take(&mut self, time_s: &[f64], _temp_c: &[f32], axes: &[&[f64]]) {
         self.rows += time_s.len();
         for (of_axis, values) in self.axes.iter_mut().zip(axes) {
-            let [high, low] = &mut of_axis.ends;
-            for (row, &value) in values.iter().enumerate() {
-                if value >= high.second {
-                    high.take(value, time_s[row]);
-                }
-                if -value >= low.second {
-                    low.take(-value, time_s[row]);
+            for (times_s, values) in time_s.chunks(BLOCK).zip(values.chunks(BLOCK)) {
+                for end in &mut of_axis.ends {
+                    end.take(values, times_s);
                 }
             }
             of_axis.sample.extend(values.len(), |row| values[row]);
@@ -158,9 +157,30 @@ impl OfAxis {
 }
 
 impl End {
-    /// Takes in a value that is the second or beyond it.
-    #[cold]
-    fn take(&mut self, value: f64, time_s: f64) {
+    /// Takes in some values. Few blocks have one beyond the second value; of others with an extreme
+    /// value, such rows are counted without a branch.
+    fn take(&mut self, values: &[f64], times_s: &[f64]) {
+        let sign = self.sign;
+        let signed = values.iter().map(|&value| sign * value);
+        if count(&signed, |value| value >= self.second) == 0 {
+            return;
+        }
+        let is_new = |value: f64| (value > self.second) & (value != self.value);
+        if count(&signed, is_new) > 0 {
+            let rows = signed.zip(times_s);
+            rows.for_each(|(value, &time_s)| self.row(value, time_s));
+            return;
+        }
+        self.second_rows += count(&signed, |value| value == self.second);
+        let extreme = count(&signed, |value| value == self.value);
+        self.rows += extreme;
+        if extreme > 0 {
+            let last = signed.clone().rposition(|value| value == self.value);
+            self.to_s = last.map_or(self.to_s, |row| times_s[row]);
+        }
+    }
+
+    fn row(&mut self, value: f64, time_s: f64) {
         if value == self.value {
             self.rows += 1;
             self.to_s = time_s;
@@ -170,8 +190,13 @@ impl End {
             (self.from_s, self.to_s) = (time_s, time_s);
         } else if value == self.second {
             self.second_rows += 1;
-        } else {
+        } else if value > self.second {
             (self.second, self.second_rows) = (value, 1);
         }
     }
+}
+
+/// So many of the values; a loop without a branch.
+fn count(values: &(impl Iterator<Item = f64> + Clone), is: impl Fn(f64) -> bool) -> usize {
+    values.clone().map(|value| usize::from(is(value))).sum()
 }

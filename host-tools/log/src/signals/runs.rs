@@ -108,7 +108,8 @@ impl Runs {
     /// Takes in the next rows.
     ///
     /// Most rows of most columns differ from the one before. Blocks of such rows are seen by one
-    /// comparison each, without a branch; the other rows are counted one by one.
+    /// comparison each, without a branch. In others the changes are found first, without a branch,
+    /// and counted then.
     pub(super) fn take<V: Copy + PartialEq + Into<f64>>(
         &mut self,
         time_s: &[f64],
@@ -123,26 +124,26 @@ impl Runs {
         for (number, block) in values.chunks(BLOCK).enumerate() {
             let first = number * BLOCK;
             let differs = block[0].into() != self.value && are_all_different(block);
-            for (row, &next) in (first..).zip(block) {
-                let next = next.into();
-                if next == self.value {
-                    continue;
-                }
+            // A part of the rows says as much of the noise.
+            let mut changes = match differs {
+                true => (2 << LOOKED_AT.min(block.len() - 1)) - 1,
+                false => changes(block, self.value),
+            };
+            while changes != 0 {
+                let row = first + changes.trailing_zeros() as usize;
+                changes &= changes - 1;
+                let next: f64 = values[row].into();
                 let rows = start.map_or(earlier + row, |start| row - start);
                 if rows >= LEAST_ROWS {
                     self.extend(start, row, (time_s, temp_c));
                     self.close();
                 }
                 let turns = (next > self.value) != (self.value > self.before);
-                self.wide += usize::from(turns && next != self.before);
+                self.wide += usize::from(turns & (next != self.before));
                 self.changes += 1;
                 self.runs += 1;
                 (self.before, self.value) = (self.value, next);
                 start = Some(row);
-                // A part of the rows says as much of the noise.
-                if differs && row - first == LOOKED_AT {
-                    break;
-                }
             }
             if differs && block.len() > LOOKED_AT + 1 {
                 let end = block.len() - 1;
@@ -273,6 +274,15 @@ impl Runs {
             to_s: a.to_s.max(b.to_s),
         })
     }
+}
+
+/// A bit for each row that differs from the one before it; `before` stands before the first.
+fn changes<V: Copy + PartialEq + Into<f64>>(block: &[V], before: f64) -> u64 {
+    let first = u64::from(block[0].into() != before);
+    let others = (1..).zip(block.windows(2));
+    others.fold(first, |bits, (row, pair)| {
+        bits | u64::from(pair[0] != pair[1]) << row
+    })
 }
 
 fn are_all_different<V: Copy + PartialEq>(values: &[V]) -> bool {
