@@ -1,12 +1,13 @@
 //! What a set says of its own fit and its table.
 
 use tempco_set::{
-    AxisSet, ChannelSet, CoefficientSet, Judgement, Model, Rejection, RejectionCode, SegmentSet,
-    TERMS, Warning, WarningCode,
+    ChannelSet, CoefficientSet, Judgement, Model, Rejection, RejectionCode, SegmentSet, TERMS,
+    Warning, WarningCode,
 };
 
 use super::bad_rows;
 use super::merit::{Merit, no_better_than_none};
+use super::of_remains;
 use super::of_screening;
 use super::of_signals;
 use crate::text::figure;
@@ -17,26 +18,11 @@ const LEAST_WIDTH: f64 = 0.8;
 /// Condition number beyond which the coefficients of a segment are hardly determined.
 const LARGE_CONDITION: f64 = 100.0;
 
-/// A simpler model that does better by this share on what was left out is worth a warning.
-const CLEARLY_BETTER: f64 = 0.05;
-
-/// Terms whose error is so many times the error of a constant do harm.
-const CLEARLY_WORSE: f64 = 1.25;
-
 /// A boundary that was moved by more is worth a warning \[degC\].
 const LARGE_MOVE_C: f64 = 0.01;
 
 /// A rounding bound beyond this share of the compensated bias stability is worth a warning.
 const LARGE_ROUNDING: f64 = 0.01;
-
-/// What remains of means is far above the noise of rows beyond this factor ...
-const FAR_ABOVE_NOISE: f64 = 10.0;
-
-/// ... and it is much if it is more than this share of what there was.
-const MUCH_LEFT: f64 = 0.3;
-
-/// The least variance of rows about their means, as a share of the variance of rows.
-const LEAST_NOISE: f64 = 1e-4;
 
 pub(super) fn judge(set: &CoefficientSet, judgement: &mut Judgement) {
     // Spoilt logs come first: what else is wrong may follow from them.
@@ -57,10 +43,11 @@ pub(super) fn judge(set: &CoefficientSet, judgement: &mut Judgement) {
             let is_judged = !(has_terms && channel.table.is_constant(number));
             let found = rejections(channel, number, is_judged);
             judgement.rejections.extend(found);
-            judgement.rejections.extend(held_out_worse(axis));
-            let errors = held_out(axis);
-            judgement.warnings.extend(errors);
-            judgement.warnings.extend(above_noise(channel, axis));
+            judgement.rejections.extend(of_remains::worse(axis));
+            judgement.warnings.extend(of_remains::held_out(axis));
+            judgement
+                .warnings
+                .extend(of_remains::above_noise(channel, axis));
         }
         judgement
             .rejections
@@ -113,106 +100,6 @@ fn rejections(
         no_better_than_none(&axis.name, merits, "the fitted logs")
     });
     disagree.into_iter().chain(worse)
-}
-
-/// Terms that do harm, by more than one standard error, where they were not fitted. Terms that do
-/// nothing are a little worse than a constant too: they are fitted to noise.
-fn held_out_worse(axis: &AxisSet) -> Option<Rejection> {
-    let errors = axis.held_out?;
-    let (excess, sigma) = (errors.excess()?, errors.excess_sigma?);
-    let is_clear = errors.chosen? >= CLEARLY_WORSE * errors.none;
-    (is_clear && excess > sigma).then(|| {
-        Rejection::of_axis(
-            RejectionCode::HeldOutWorse,
-            &axis.name,
-            format_args!(
-                "on soaks and ramps left out of the fit, the model is worse than a constant ({} \
-                 against {} {}), by {:.1} standard errors",
-                figure(errors.chosen.unwrap_or_default()),
-                figure(errors.none),
-                axis.unit,
-                excess / sigma
-            ),
-        )
-    })
-}
-
-fn held_out(axis: &AxisSet) -> Option<Warning> {
-    let errors = axis.held_out?;
-    if let Some(left_out) = errors.left_out {
-        return Some(Warning::of_axis(
-            WarningCode::ConstantAlone,
-            &axis.name,
-            format_args!(
-                "on soaks and ramps left out of the fit, terms of temperature are not better than a \
-                 constant ({} against {} {}). It keeps the constant alone",
-                figure(left_out),
-                figure(errors.none),
-                axis.unit
-            ),
-        ));
-    }
-    let chosen = errors.chosen?;
-    if held_out_worse(axis).is_some() {
-        return None;
-    }
-    if chosen >= errors.none {
-        return Some(Warning::of_axis(
-            WarningCode::HeldOutNoBetter,
-            &axis.name,
-            "on soaks and ramps left out of the fit, the model does not help",
-        ));
-    }
-    let simpler = [
-        ("one cubic in T", errors.cubic),
-        ("the static model", errors.static_model),
-        ("the composite model", errors.composite),
-    ];
-    let (name, error) = simpler
-        .into_iter()
-        .filter_map(|(name, error)| Some((name, error?)))
-        .filter(|(_, error)| *error < (1.0 - CLEARLY_BETTER) * chosen)
-        .min_by(|a, b| a.1.total_cmp(&b.1))?;
-    Some(Warning::of_axis(
-        WarningCode::SimplerModelBetter,
-        &axis.name,
-        format_args!(
-            "on soaks and ramps left out of the fit, {name} does better ({} against {} {})",
-            figure(error),
-            figure(chosen),
-            axis.unit
-        ),
-    ))
-}
-
-/// What the model leaves of an axis, where it is far above what the noise of rows leaves of their
-/// means, and much of what there was. What is known to be disturbed is said elsewhere.
-fn above_noise(channel: &ChannelSet, axis: &AxisSet) -> Option<Warning> {
-    let of = axis.statistics.filter(|of| of.n > 1)?;
-    let disturbed = channel.screening.iter().flat_map(|of| &of.disturbances);
-    if disturbed.into_iter().any(|of| of.axis == axis.name) {
-        return None;
-    }
-    // The noise of rows is what their means do not show. As a difference it has a least size.
-    let rows_per_mean = of.rows as f64 / of.n as f64;
-    let variance = of.rmse_compensated.powi(2);
-    let noise = (variance - of.sigma_compensated.powi(2)).max(LEAST_NOISE * variance);
-    let ratio = of.sigma_compensated / (noise / rows_per_mean).sqrt();
-    let share = of.sigma_compensated / of.sigma_raw;
-    (ratio > FAR_ABOVE_NOISE && share > MUCH_LEFT).then(|| {
-        Warning::of_axis(
-            WarningCode::ResidualAboveNoise,
-            &axis.name,
-            format_args!(
-                "means over {} s keep {} {} of {}, {ratio:.0} times what the noise of their rows \
-                 explains",
-                of.tau_s,
-                figure(of.sigma_compensated),
-                axis.unit,
-                figure(of.sigma_raw)
-            ),
-        )
-    })
 }
 
 /// Terms that the model could have and does not.
