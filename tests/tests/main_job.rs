@@ -33,7 +33,11 @@ fn composite_beats_static_and_static_beats_nothing_on_x() {
             "fit cal.csv --serial S1 --model {model} --segments {PAPER_SEGMENTS} --out {model}"
         ));
     }
-    let of_static = evaluation(&bench, "static/coefficients.json ver.csv");
+    // What the static model leaves follows the rate, which rejects.
+    let of_static = bench.run("evaluate static/coefficients.json ver.csv --json");
+    assert_eq!(of_static.code, 1, "{}", of_static.err);
+    let of_static: Value = serde_json::from_str(&of_static.out).unwrap();
+    assert_eq!(of_static["rejections"][0]["code"], "trend_with_rate");
     let of_composite = evaluation(&bench, "composite/coefficients.json ver.csv");
     for axis in 0..3 {
         let raw = sigma(&of_composite, axis, "sigma_raw");
@@ -70,7 +74,8 @@ fn a_worse_set_is_rejected_by_exit_code() {
     assert_eq!(ran.code, 1);
     let said = "rejection no_better_than_none: axis x: ";
     assert!(ran.out.contains(said), "{}", ran.out);
-    let said = "set/coefficients.json rejected, no_better_than_none: axis x\n";
+    let said = "set/coefficients.json rejected, no_better_than_none: axis x\n\
+                set/coefficients.json rejected, trend_with_rate: axis x\n";
     assert_eq!(ran.err, said);
 }
 

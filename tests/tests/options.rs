@@ -78,12 +78,14 @@ const COMMANDS: [(&str, &[&str], &[&str]); 10] = [
 ];
 
 /// Options whose value is no number.
-const OTHERS: [&str; 19] = [
+const OTHERS: [&str; 22] = [
     "--against",
     "--axis",
     "--batch",
     "--board",
     "--figures",
+    "--join",
+    "--map",
     "--model",
     "--out",
     "--overlap",
@@ -98,6 +100,7 @@ const OTHERS: [&str; 19] = [
     "--time",
     "--truth",
     "--unit",
+    "--where",
 ];
 
 /// A log of pulses between 10 and 40 degC.
