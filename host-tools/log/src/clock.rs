@@ -3,8 +3,8 @@
 //! A counter that wraps goes on. A recorder that starts again begins a run of its own, an hour
 //! later. One stamp far ahead of both neighbours is the bad one.
 
-/// Counters wrap after this long \[s\]: 2^32 us, 2^32 ms, 2^16 ms.
-const WRAPS_S: [f64; 3] = [4_294.967_296, 4_294_967.296, 65.536];
+/// Counters wrap after this long \[s\]: 2^32 us, 2^32 ms, 2^16 ms, a day, a week.
+const WRAPS_S: [f64; 5] = [4_294.967_296, 4_294_967.296, 65.536, 86_400.0, 604_800.0];
 
 /// Counters that wrap sooner than this are short \[s\].
 const SHORT_S: f64 = 100.0;
@@ -220,7 +220,7 @@ mod tests {
     proptest! {
         #[test]
         fn counters_of_any_length_are_unwrapped(
-            wrap in 0_usize..3, begin in 0.0_f64..1.0, rate_hz in 2.0_f64..200.0,
+            wrap in 0..WRAPS_S.len(), begin in 0.0_f64..1.0, rate_hz in 2.0_f64..200.0,
         ) {
             let wrap_s = WRAPS_S[wrap];
             let begin_s = (wrap_s - 10.0 * begin - 1.0).max(0.0);
