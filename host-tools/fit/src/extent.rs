@@ -12,30 +12,35 @@ const MEAN_S: f64 = 10.0;
 /// A turn of less is no turn: noise of a sensor, a chamber that overshoots \[degC\].
 const LEAST_TURN_C: f64 = 2.0;
 
+/// What is covered is counted in steps of this part of a degree: soaks have noise at both ends.
+const PER_DEGREE: usize = 10;
+
 /// Degrees that rows of a slow log may pass between them.
-const MOST_PASSED_C: u64 = 5;
+const MOST_PASSED_C: usize = 5;
 
 /// Temperature that is too fast once may be a bad reading.
 const LEAST_FAST: usize = 2;
 
 /// What the kept rows cover, with the fastest change that the core follows.
 pub(crate) fn of(data: &ChannelData, limit_c_per_min: f64) -> Extent {
-    let mut degrees = BTreeSet::new();
+    let mut steps = BTreeSet::new();
     let (mut heated_c, mut cooled_c, mut time_s) = (0.0, 0.0, 0.0);
     let mut too_fast: Option<TooFast> = None;
     for log in 0..data.logs.len() {
         let channel = data.of(log);
         let mut means: Vec<(f64, f64)> = Vec::new();
-        for (_, _, block) in data.blocks().filter(|(of, ..)| *of == log) {
-            // Between neighbouring samples the temperature passed all degrees, unless it leapt.
-            let mut last: Option<i64> = None;
+        let mut last: Option<(usize, i64)> = None;
+        for (_, position, block) in data.blocks().filter(|(of, ..)| *of == log) {
+            // Between neighbouring samples the temperature passed all steps, unless it leapt.
             for temp_c in channel.temps_c(block) {
-                let at = f64::from(temp_c).floor() as i64;
+                let at = (f64::from(temp_c) * PER_DEGREE as f64).floor() as i64;
                 let from = last
-                    .filter(|last| last.abs_diff(at) <= MOST_PASSED_C)
+                    .filter(|(before, _)| position - before <= 1)
+                    .map(|(_, step)| step)
+                    .filter(|step| step.abs_diff(at) <= (MOST_PASSED_C * PER_DEGREE) as u64)
                     .unwrap_or(at);
-                degrees.extend(from.min(at)..=from.max(at));
-                last = Some(at);
+                steps.extend(from.min(at)..=from.max(at));
+                last = Some((position, at));
             }
             time_s += channel.block_s;
             means.push((0.5 * (block.from_s + block.to_s), block.moments.temp_c));
@@ -54,7 +59,7 @@ pub(crate) fn of(data: &ChannelData, limit_c_per_min: f64) -> Extent {
         }
     }
     Extent {
-        covered_c: degrees.len(),
+        covered_c: steps.len() / PER_DEGREE,
         // Blocks of a log are equally long but for rounding.
         means: (time_s / MEAN_S + 1e-6) as usize,
         heated_c,
