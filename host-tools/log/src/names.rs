@@ -228,6 +228,10 @@ pub(crate) fn temp_owner(name: &str) -> Option<String> {
         "tmp",
         "die_temp",
     ];
+    // In small, it is a time.
+    if name.trim() == "T" {
+        return Some(String::new());
+    }
     let tidy = tidy(name);
     let words = WORDS.iter().filter_map(|word| {
         let before = tidy.strip_suffix(word)?;
@@ -340,6 +344,8 @@ mod tests {
         assert_eq!(temp_owner("imu0_temp").as_deref(), Some("imu0"));
         assert_eq!(temp_owner("IMU Temperature").as_deref(), Some("imu"));
         assert_eq!(temp_owner("attempt"), None);
+        assert_eq!(temp_owner("T").as_deref(), Some(""));
+        assert_eq!(temp_owner("t"), None);
     }
 
     #[test]
