@@ -15,6 +15,7 @@ mod full_scale;
 mod identical;
 #[cfg(test)]
 mod made;
+mod packets;
 mod running_total;
 mod runs;
 mod temperature_jump;
@@ -28,6 +29,7 @@ use fahrenheit::Fahrenheit;
 use frozen_temperature::FrozenTemperature;
 use full_scale::FullScale;
 use identical::Identical;
+use packets::Packets;
 use running_total::RunningTotal;
 use temperature_jump::TemperatureJump;
 
@@ -59,6 +61,7 @@ pub struct Signals {
     running_total: RunningTotal,
     temperature_jump: TemperatureJump,
     alternating: Alternating,
+    packets: Packets,
     fahrenheit: Fahrenheit,
 }
 
@@ -73,6 +76,7 @@ impl Signals {
             running_total: RunningTotal::new(axes),
             temperature_jump: TemperatureJump::new(axes),
             alternating: Alternating::new(axes),
+            packets: Packets::new(axes),
             fahrenheit: Fahrenheit::new(axes),
         }
     }
@@ -86,12 +90,18 @@ impl Signals {
         self.running_total.take(time_s, temp_c, axes);
         self.temperature_jump.take(time_s, temp_c, axes);
         self.alternating.take(time_s, temp_c, axes);
+        self.packets.take(time_s, temp_c, axes);
         self.fahrenheit.take(time_s, temp_c, axes);
     }
 
     /// What was found; `temperature` and `axes` are the names of the columns.
     pub fn finish(self, temperature: &str, axes: &[&str]) -> Vec<Finding> {
         let (frozen, standing) = self.frozen_temperature.finish();
+        // Row by row, or packet by packet.
+        let mut alternating = self.alternating.finish();
+        if alternating.is_empty() {
+            alternating = self.packets.finish();
+        }
         let found = [
             (Fault::FullScale, self.full_scale.finish()),
             (Fault::IdenticalValues, self.identical.finish()),
@@ -99,7 +109,7 @@ impl Signals {
             (Fault::StandingTemperature, standing),
             (Fault::RunningTotal, self.running_total.finish()),
             (Fault::TemperatureJump, self.temperature_jump.finish()),
-            (Fault::AlternatingSources, self.alternating.finish()),
+            (Fault::AlternatingSources, alternating),
             (Fault::Fahrenheit, self.fahrenheit.finish()),
         ];
         let rows = self.rows;

@@ -1,0 +1,253 @@
+//! Rows of two sources that come in packets, such as those of two sensors with a FIFO each.
+//!
+//! Between packets a value jumps, from one level to the other and back. Within them it has noise.
+//! Rows of two sources that take turns row by row are in `alternating`.
+
+use super::Place;
+
+/// Windows are judged by themselves, each of so many rows.
+const WINDOW_ROWS: usize = 256;
+
+/// All of so many windows are judged, then every so many one.
+const ALL_WINDOWS: usize = 64;
+const SOME_WINDOWS: usize = 8;
+
+/// A jump is this many times the median change from row to row, and the smallest change.
+const JUMP: f64 = 8.0;
+
+/// A window needs so many jumps.
+const LEAST_JUMPS: usize = 4;
+
+/// Jumps are of one size if they scatter by less than this share of it.
+const SCATTER: f64 = 0.3;
+
+/// Either level holds this share of the rows at least: spikes return at once.
+const LEAST_HOLD: f64 = 0.2;
+
+/// Packets are found if the windows that show them make up this share of those judged ...
+const SHARE: f64 = 1.0 / 3.0;
+
+/// ... and are so many at least.
+const LEAST_WINDOWS: usize = 2;
+
+/// Looks for jumps between two levels.
+#[derive(Clone, Debug)]
+pub(super) struct Packets {
+    rows: usize,
+    judged: usize,
+    /// Time of the first row of the window \[s\].
+    from_s: f64,
+    /// The temperature, then the axes.
+    columns: Vec<Column>,
+}
+
+#[derive(Clone, Debug, Default)]
+struct Column {
+    /// Values of the window.
+    values: Vec<f64>,
+    found: Found,
+}
+
+/// Windows with packets.
+#[derive(Clone, Copy, Debug, Default)]
+struct Found {
+    windows: usize,
+    /// Times of the first row of the first, and of the last row of the last \[s\].
+    from_s: f64,
+    to_s: f64,
+    /// Of the first of them: the size of the jumps, and the mean rows of a packet.
+    size: f64,
+    rows: f64,
+}
+
+impl Column {
+    fn end_window(&mut self, from_s: f64, to_s: f64) {
+        if let Some((size, rows)) = packets(&self.values) {
+            let found = &mut self.found;
+            if found.windows == 0 {
+                (found.from_s, found.size, found.rows) = (from_s, size, rows);
+            }
+            found.windows += 1;
+            found.to_s = to_s;
+        }
+        self.values.clear();
+    }
+}
+
+/// Whether a column jumps between two levels: the size of the jumps, and the mean rows between.
+fn packets(values: &[f64]) -> Option<(f64, f64)> {
+    let changes: Vec<f64> = values.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let mut sizes: Vec<f64> = changes.iter().map(|change| change.abs()).collect();
+    sizes.sort_unstable_by(f64::total_cmp);
+    let step = sizes[sizes
+        .partition_point(|size| *size == 0.0)
+        .min(sizes.len() - 1)];
+    let limit = JUMP * sizes[sizes.len() / 2].max(step);
+    // Where a value jumps, and by how much.
+    let numbered = changes.iter().enumerate();
+    let jumps: Vec<(usize, f64)> = numbered
+        .filter(|(_, change)| change.abs() > limit)
+        .map(|(row, change)| (row, *change))
+        .collect();
+    let (Some(first), Some(last)) = (jumps.first(), jumps.last()) else {
+        return None;
+    };
+    if jumps.len() < LEAST_JUMPS || jumps.windows(2).any(|pair| pair[0].1 * pair[1].1 > 0.0) {
+        return None;
+    }
+    let count = jumps.len() as f64;
+    let size = jumps.iter().map(|(_, jump)| jump.abs()).sum::<f64>() / count;
+    let squares: f64 = jumps
+        .iter()
+        .map(|(_, jump)| (jump.abs() - size).powi(2))
+        .sum();
+    // Rows on the level to which the first jump leads.
+    let mut held = [0.0; 2];
+    for (number, pair) in jumps.windows(2).enumerate() {
+        held[number % 2] += (pair[1].0 - pair[0].0) as f64;
+    }
+    let rows = (last.0 - first.0) as f64;
+    let is_one_size = (squares / count).sqrt() < SCATTER * size;
+    (is_one_size && held[0].min(held[1]) >= LEAST_HOLD * rows).then(|| (size, rows / (count - 1.0)))
+}
+
+impl Packets {
+    pub(super) fn new(axes: usize) -> Self {
+        Self {
+            rows: 0,
+            judged: 0,
+            from_s: 0.0,
+            columns: vec![Column::default(); 1 + axes],
+        }
+    }
+
+    pub(super) fn take(&mut self, time_s: &[f64], temp_c: &[f32], axes: &[&[f64]]) {
+        let mut start = 0;
+        while start < time_s.len() {
+            // Up to the end of the window or of the rows.
+            let place = self.rows % WINDOW_ROWS;
+            let end = time_s.len().min(start + WINDOW_ROWS - place);
+            let window = self.rows / WINDOW_ROWS;
+            self.rows += end - start;
+            if window < ALL_WINDOWS || window.is_multiple_of(SOME_WINDOWS) {
+                if place == 0 {
+                    self.from_s = time_s[start];
+                }
+                let (temperature, others) = self.columns.split_first_mut().expect("a temperature");
+                let temps_c = temp_c[start..end].iter().map(|&temp_c| f64::from(temp_c));
+                temperature.values.extend(temps_c);
+                for (column, values) in others.iter_mut().zip(axes) {
+                    column.values.extend(&values[start..end]);
+                }
+                if self.rows.is_multiple_of(WINDOW_ROWS) {
+                    self.judged += 1;
+                    for column in &mut self.columns {
+                        column.end_window(self.from_s, time_s[end - 1]);
+                    }
+                }
+            }
+            start = end;
+        }
+    }
+
+    /// The temperature if it shows packets, otherwise the axis with the most such windows.
+    pub(super) fn finish(self) -> Vec<Place> {
+        let least = (SHARE * self.judged as f64).max(LEAST_WINDOWS as f64);
+        let columns = self.columns.iter().enumerate();
+        let most = columns
+            .filter(|(_, column)| column.found.windows as f64 >= least)
+            .max_by_key(|&(number, column)| (number == 0, column.found.windows));
+        let place = |(number, column): (usize, &Column)| Place {
+            axis: number.checked_sub(1),
+            rows: self.rows * column.found.windows / self.judged,
+            from_s: column.found.from_s,
+            to_s: column.found.to_s,
+            detail: format!(
+                "packets of {:.0} rows are {:.4} apart",
+                column.found.rows, column.found.size
+            ),
+        };
+        most.into_iter().map(place).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::signals::made::{Made, Noise, rounded, up_and_down};
+
+    fn found(log: &Made) -> Vec<Place> {
+        let mut detector = Packets::new(log.axes.len());
+        log.parts(|time_s, temp_c, axes| detector.take(time_s, temp_c, axes));
+        detector.finish()
+    }
+
+    /// Three axes with noise of sigma; `more` by axis, 3 for the temperature, and row.
+    fn log(seed: u64, step_c: f64, sigma: f64, more: impl Fn(usize, usize) -> f64) -> Made {
+        let mut noise = Noise::new(seed);
+        let mut row = 0;
+        let mut log = Made::new(9000, 0.5, |share| {
+            row += 1;
+            let temp_c = up_and_down(share, -10.0, 50.0) + 0.02 * noise.next();
+            rounded(temp_c + more(3, row - 1), step_c)
+        });
+        for axis in 0..3 {
+            let slope = [0.012, -0.008, 0.005][axis];
+            log = log.with_axis(|row, temp_c| {
+                slope * (temp_c - 25.0) + sigma * noise.next() + more(axis, row)
+            });
+        }
+        log
+    }
+
+    proptest! {
+        #[test]
+        fn packets_of_two_sources_are_found(
+            seed in 0_u64..1000,
+            rows in 4_usize..40,
+            size in 1.0..100.0_f64,
+            column in 0_usize..4,
+            other in 0.7..1.4_f64,
+        ) {
+            // The packets of the second source may be longer or shorter.
+            let period = rows + (rows as f64 * other) as usize;
+            let log = log(seed, 0.0, 0.05, |which, row| {
+                if which == column && row % period < rows { size } else { 0.0 }
+            });
+            let found = found(&log);
+            prop_assert_eq!(found.len(), 1);
+            prop_assert_eq!(found[0].axis, (column < 3).then_some(column));
+            prop_assert!(found[0].rows >= 8000, "{:?}", found);
+        }
+
+        #[test]
+        fn one_source_is_silent(
+            seed in 0_u64..1000,
+            step_c in prop::sample::select(vec![0.0, 0.0625, 0.5, 1.0]),
+            sigma in prop::sample::select(vec![0.0, 0.001, 0.05]),
+            step in prop::sample::select(vec![0.0, 0.01, 0.2]),
+            spikes in 13_usize..2000,
+            frequency in 0.0..0.5_f64,
+        ) {
+            let mut log = log(seed, step_c, sigma, |axis, row| match axis {
+                0 if row % spikes == 0 => 80.0,
+                1 => (std::f64::consts::TAU * frequency * row as f64).sin(),
+                _ => 0.0,
+            });
+            for value in log.axes.iter_mut().flatten() {
+                *value = rounded(*value, step);
+            }
+            prop_assert_eq!(found(&log), []);
+        }
+
+        #[test]
+        fn whole_pulses_are_silent(rate in 0.0..9.0_f64, slope in prop::sample::select(vec![0.0, 1e-6, 1e-4])) {
+            let angle = |row: usize| rate * row as f64 + slope * (row * row) as f64;
+            let log = Made::new(9000, 0.5, |_| 25.0)
+                .with_axis(|row, _| angle(row + 1).floor() - angle(row).floor());
+            prop_assert_eq!(found(&log), []);
+        }
+    }
+}
