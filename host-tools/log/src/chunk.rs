@@ -67,7 +67,7 @@ impl Chunk {
 }
 
 /// Leaves out the values that are not to be kept.
-pub(super) fn retain<T>(column: &mut Vec<T>, keep: &[bool]) {
+fn retain<T>(column: &mut Vec<T>, keep: &[bool]) {
     let mut keep = keep.iter();
     column.retain(|_| keep.next().is_some_and(|&keep| keep));
 }

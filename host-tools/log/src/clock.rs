@@ -31,9 +31,9 @@ pub(super) const LOOK_AHEAD: usize = 1;
 /// What was found in the stamps of a log.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct TimeNotes {
-    /// Number of wraps of the counter, and the time after which it wraps \[s\].
+    /// Number of wraps of the counter.
     pub(super) wraps: usize,
-    /// Length of the counter \[s\].
+    /// The time after which it wraps \[s\].
     pub(super) wrap_s: f64,
     /// Times at which the recorder began again, as they are counted on \[s\].
     pub(super) restarts_s: Vec<f64>,

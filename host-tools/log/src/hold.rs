@@ -1,7 +1,7 @@
 //! Temperatures of rows that have none: the last one, or that of another log.
 
 use super::LogError;
-use super::chunk::{Chunk, retain};
+use super::chunk::Chunk;
 use super::join::HOLD_S;
 use super::layout::Layout;
 
@@ -23,8 +23,8 @@ impl Hold {
         }
     }
 
-    /// Fills the temperatures of rows, with the numbers of these, and returns how many rows it left
-    /// out.
+    /// Fills the temperatures of rows and returns how many rows it left out; `number` gives the
+    /// number of a row.
     ///
     /// # Errors
     /// A row whose last temperature is too old, unless bad rows are skipped.
@@ -32,7 +32,7 @@ impl Hold {
         &mut self,
         layout: &Layout,
         chunk: &mut Chunk,
-        numbers: &mut Vec<u64>,
+        number: impl Fn(usize) -> u64,
         has_blanks: bool,
     ) -> Result<usize, LogError> {
         if let Some(joined) = &layout.joined {
@@ -43,7 +43,7 @@ impl Hold {
             self.note_last(chunk);
             return Ok(0);
         }
-        self.hold(layout, chunk, numbers)
+        self.hold(layout, chunk, number)
     }
 
     /// Keeps the last temperatures, for blank ones that may follow.
@@ -61,7 +61,7 @@ impl Hold {
         &mut self,
         layout: &Layout,
         chunk: &mut Chunk,
-        numbers: &mut Vec<u64>,
+        number: impl Fn(usize) -> u64,
     ) -> Result<usize, LogError> {
         let mut keep = vec![true; chunk.rows()];
         self.held.resize(chunk.temps_c.len(), None);
@@ -81,13 +81,12 @@ impl Hold {
                     }
                     None if is_near => keep[row] = false,
                     _ if self.skip_bad_rows => keep[row] = false,
-                    _ => return Err(layout.blank_temp(numbers[row], channel, time_s)),
+                    _ => return Err(layout.blank_temp(number(row), channel, time_s)),
                 }
             }
         }
         if keep.contains(&false) {
             chunk.retain(&keep);
-            retain(numbers, &keep);
         }
         Ok(keep.iter().filter(|&&keep| !keep).count())
     }

@@ -12,7 +12,7 @@
 //! | `parquet`, `time_types`, `pages` | tables of Parquet, columns of times, pages of bounded size |
 //! | `names`, `known`, `mapping`, `time` | what names say; known loggers; columns that a user names |
 //! | `columns`, `layout`, [`AxisUnit`] | which column is what, in which unit |
-//! | `order`, `clock`, `bursts` | times that increase: counters that wrap, restarts, stamps of whole bursts |
+//! | `order`, `row_numbers`, `clock`, `bursts` | times that increase: counters that wrap, restarts, stamps of whole bursts |
 //! | `hold`, `join` | temperatures where a row has none: the last one, or that of another log |
 //! | `interval`, `stream`, `chunk`, `skipped` | rows in chunks, their usual interval; bad rows, counted by reason |
 //! | `log`, `read`, `reading` | a whole [`Log`], and how it was read |
@@ -53,6 +53,7 @@ mod pipeline;
 mod read;
 mod reading;
 mod records;
+mod row_numbers;
 mod rows;
 pub mod signals;
 mod skipped;

@@ -4,20 +4,19 @@
 
 use super::LogError;
 use super::bursts::{self, Bursts};
-use super::chunk::{Chunk, retain};
+use super::chunk::Chunk;
 use super::clock::{Clock, LOOK_AHEAD, Stamp, TimeNotes};
 use super::hold::Hold;
 use super::layout::Layout;
+use super::row_numbers::RowNumbers;
 use super::skipped::{Reason, SkippedRows};
 
 /// Consecutive rows whose cells were checked, apart from the order of their times.
 #[derive(Debug)]
 pub(super) struct Parsed {
     pub(super) chunk: Chunk,
-    /// Line or row number before the first row of the chunk.
-    pub(super) base: u64,
-    /// For each row, its number less `base`.
-    pub(super) numbers: Vec<u32>,
+    /// Line or row number of each row.
+    pub(super) numbers: RowNumbers,
     /// Whether temperatures are missing: NaN.
     pub(super) has_blanks: bool,
     /// Rows left out because of their cells.
@@ -41,16 +40,26 @@ pub(super) struct Bad {
     pub(super) is_fatal: bool,
 }
 
+/// How a logger stamps its rows.
+#[derive(Debug)]
+enum Stamping {
+    /// Too few rows are there to know.
+    Unknown,
+    /// Each row at its own time.
+    EachRow,
+    /// Several rows at once.
+    InBursts(Bursts),
+}
+
 /// The order of time over a whole log.
 #[derive(Debug)]
 pub(super) struct TimeOrder {
     skip_bad_rows: bool,
     clock: Clock,
-    /// How the logger stamps bursts; `None` inside until enough rows are there to know.
-    bursts: Option<Option<Bursts>>,
+    stamping: Stamping,
     /// Rows that are not judged yet, with their numbers.
     waiting: Chunk,
-    numbers: Vec<u64>,
+    numbers: RowNumbers,
     /// Rows whose burst may go on.
     open: Chunk,
     hold: Hold,
@@ -67,9 +76,9 @@ impl TimeOrder {
         Self {
             skip_bad_rows,
             clock: Clock::default(),
-            bursts: None,
+            stamping: Stamping::Unknown,
             waiting: layout.chunk(0),
-            numbers: Vec::new(),
+            numbers: RowNumbers::default(),
             open: layout.chunk(0),
             hold: Hold::new(skip_bad_rows),
             has_blanks: false,
@@ -86,9 +95,7 @@ impl TimeOrder {
         self.skipped.add(parsed.skipped);
         self.has_blanks |= parsed.has_blanks;
         self.waiting.append(&parsed.chunk);
-        let numbers = parsed.numbers.iter();
-        self.numbers
-            .extend(numbers.map(|&number| parsed.base + u64::from(number)));
+        self.numbers.append(&parsed.numbers);
         let Some(bad) = parsed.bad else {
             return self.release(layout, false);
         };
@@ -112,26 +119,29 @@ impl TimeOrder {
 
     /// What was found in the stamps so far.
     pub(super) fn notes(&self) -> TimeNotes {
-        let bursts = self.bursts.iter().flatten().next();
         TimeNotes {
-            rows_per_burst: bursts.map_or(0, |bursts| bursts.rows),
+            rows_per_burst: match &self.stamping {
+                Stamping::InBursts(bursts) => bursts.rows,
+                Stamping::Unknown | Stamping::EachRow => 0,
+            },
             ..self.clock.notes.clone()
         }
     }
 
     fn release(&mut self, layout: &Layout, is_end: bool) -> Result<Chunk, LogError> {
         let stamps_s = &self.waiting.time_s;
-        if self.bursts.is_none() {
+        if matches!(self.stamping, Stamping::Unknown) {
             if !is_end && stamps_s.len() < bursts::AHEAD {
                 return Ok(layout.chunk(0));
             }
-            self.bursts = Some(Bursts::find(&stamps_s[..stamps_s.len().min(bursts::AHEAD)]));
+            let found = Bursts::find(&stamps_s[..stamps_s.len().min(bursts::AHEAD)]);
+            self.stamping = found.map_or(Stamping::EachRow, Stamping::InBursts);
         }
         let ahead = if is_end { 0 } else { LOOK_AHEAD };
         let later = self.waiting.split_off(stamps_s.len().saturating_sub(ahead));
         let mut judged = std::mem::replace(&mut self.waiting, later);
         self.judge(layout, &mut judged)?;
-        let Some(Some(bursts)) = &mut self.bursts else {
+        let Stamping::InBursts(bursts) = &mut self.stamping else {
             return Ok(judged);
         };
         self.open.append(&judged);
@@ -150,49 +160,56 @@ impl TimeOrder {
     /// Makes times of the stamps of rows and leaves out the bad ones.
     fn judge(&mut self, layout: &Layout, rows: &mut Chunk) -> Result<(), LogError> {
         let count = rows.rows();
-        let mut numbers: Vec<u64> = self.numbers.drain(..count).collect();
         let after_s = self.waiting.time_s.first().copied();
         let last_row = count.checked_sub(1).map(|last| rows.bits(last));
+        // Whether each row is kept; nothing where all are.
+        let mut keep = Vec::new();
         if !self.clock.pass(&rows.time_s, after_s) {
-            let (mut keep, mut times_s) = (vec![true; count], vec![0.0; count]);
+            keep = vec![true; count];
+            let mut times_s = vec![0.0; count];
             for row in 0..count {
+                let stamp_s = rows.time_s[row];
                 let next_s = rows.time_s.get(row + 1).copied().or(after_s);
-                let is_repeated = |before: Vec<u64>| rows.bits(row) == before;
-                match self.time(rows.time_s[row], next_s) {
-                    Ok(Some(time_s)) => times_s[row] = time_s,
-                    // The same stamp and the same values: a row that was written twice.
-                    Ok(None)
-                        if is_repeated(match row {
-                            0 => self.last_row.clone(),
-                            _ => rows.bits(row - 1),
-                        }) =>
-                    {
+                let message = match self.time(stamp_s, next_s) {
+                    Ok(Some(time_s)) => {
+                        times_s[row] = time_s;
+                        continue;
+                    }
+                    Ok(None) if self.repeats(rows, row) => {
                         keep[row] = false;
                         self.clock.notes.repeated_rows += 1;
+                        continue;
                     }
-                    _ if self.skip_bad_rows => {
-                        keep[row] = false;
-                        self.skipped.time_order += 1;
-                    }
-                    Ok(None) => {
-                        let message = increase(rows.time_s[row], rows.time_s[row]);
-                        return Err(layout.cell_error(numbers[row], layout.columns.time, message));
-                    }
-                    Err(message) => {
-                        return Err(layout.cell_error(numbers[row], layout.columns.time, message));
-                    }
+                    Ok(None) => increase(stamp_s, stamp_s),
+                    Err(message) => message,
+                };
+                if !self.skip_bad_rows {
+                    let number = self.numbers.of(row);
+                    return Err(layout.cell_error(number, layout.columns.time, message));
                 }
+                keep[row] = false;
+                self.skipped.time_order += 1;
             }
             rows.time_s = times_s;
             rows.retain(&keep);
-            retain(&mut numbers, &keep);
         }
-        let held = self
-            .hold
-            .fill(layout, rows, &mut numbers, self.has_blanks)?;
+        let number = |row: usize| {
+            let mut kept = (0..count).filter(|&row| keep.get(row).is_none_or(|&keep| keep));
+            self.numbers.of(kept.nth(row).unwrap_or(row))
+        };
+        let held = self.hold.fill(layout, rows, number, self.has_blanks)?;
         self.skipped.empty_cell += held;
+        self.numbers.skip(count);
         self.last_row = last_row.unwrap_or_else(|| std::mem::take(&mut self.last_row));
         Ok(())
+    }
+
+    /// Whether a row with the stamp of the row before has its values too: it was written twice.
+    fn repeats(&self, rows: &Chunk, row: usize) -> bool {
+        match row {
+            0 => rows.bits(row) == self.last_row,
+            _ => rows.bits(row) == rows.bits(row - 1),
+        }
     }
 
     /// The time of a stamp \[s\]; `None` if it is the stamp of the row before; or what is wrong.
@@ -200,7 +217,9 @@ impl TimeOrder {
         match self.clock.judge(stamp_s, next_s) {
             Stamp::At(time_s) => Ok(Some(time_s)),
             // Bursts have one stamp for several rows.
-            Stamp::Again if matches!(self.bursts, Some(Some(_))) => Ok(self.clock.last_s()),
+            Stamp::Again if matches!(self.stamping, Stamping::InBursts(_)) => {
+                Ok(self.clock.last_s())
+            }
             Stamp::Again => Ok(None),
             Stamp::Ahead { before_s, after_s } => Err(format!(
                 "{stamp_s} s between rows of {before_s} s and {after_s} s: expected time to increase"

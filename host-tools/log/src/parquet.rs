@@ -18,6 +18,7 @@ use super::layout::{Conversion, Finder, Found, Kind, Layout, RowKind};
 use super::mapping::Mapping;
 use super::order::{Bad, Parsed};
 use super::pages::{BoundedFile, LARGEST_PAGE, Pages, TooLarge};
+use super::row_numbers::RowNumbers;
 use super::skipped::{Reason, SkippedRows};
 use super::source::Source;
 use super::time::TimeUnit;
@@ -184,8 +185,7 @@ impl ParquetRows {
     fn checked(&mut self, rows: usize) -> Parsed {
         let mut parsed = Parsed {
             chunk: self.layout.chunk(rows),
-            base: self.row + 1,
-            numbers: Vec::with_capacity(rows),
+            numbers: RowNumbers::default(),
             has_blanks: false,
             skipped: SkippedRows::default(),
             bad: None,
@@ -196,7 +196,7 @@ impl ParquetRows {
                 Ok(()) => {
                     parsed.has_blanks |= values.iter().any(|value| value.is_nan());
                     self.layout.push(&mut parsed.chunk, &values);
-                    parsed.numbers.push(row as u32);
+                    parsed.numbers.push(self.row + 1 + row as u64);
                 }
                 Err(bad) if self.skip_bad_rows => parsed.skipped.count(bad.reason),
                 Err(bad) => {

@@ -212,6 +212,16 @@ mod tests {
     }
 
     #[test]
+    fn a_refused_row_has_its_line_whatever_was_left_out_before_it() {
+        // A row that is written twice, a blank line, and temperatures that end.
+        let blanks: String = (2..20).map(|t| format!("{t},,1\n")).collect();
+        let blanks = blanks.replace("5,,1\n", "5,,1\n\n");
+        let text = format!("time_s,temp_c,x_dph\n0,20,1\n1,20,1\n1,20,1\n{blanks}");
+        let expected = ":16:2: column `temp_c`: an empty cell, and no temperature in the 10 s";
+        assert!(refused(&text).starts_with(expected), "{}", refused(&text));
+    }
+
+    #[test]
     fn bad_rows_are_skipped_and_counted_only_on_request() {
         let options = ReadOptions {
             skip_bad_rows: true,

@@ -10,6 +10,7 @@ use super::dialect::{Separator, split_blanks};
 use super::layout::{Kind, Layout, Slot};
 use super::order::{Bad, Parsed};
 use super::records::{MOST_CELLS, Records};
+use super::row_numbers::RowNumbers;
 use super::skipped::{Reason, SkippedRows};
 
 /// Bytes that a row takes at least, about: room is made for so many rows.
@@ -21,12 +22,12 @@ pub(super) fn parse(layout: &Layout, block: &Block, skip_bad_rows: bool) -> Pars
     let mut rows = Rows {
         layout,
         plan: plan(layout),
+        first_line: block.first_line,
         values: vec![0.0; layout.slots.len()],
         skip_bad_rows,
         parsed: Parsed {
             chunk: layout.chunk(capacity),
-            base: block.first_line,
-            numbers: Vec::with_capacity(capacity),
+            numbers: RowNumbers::default(),
             has_blanks: false,
             skipped: SkippedRows::default(),
             bad: None,
@@ -77,6 +78,8 @@ fn plan(layout: &Layout) -> Vec<Column> {
 struct Rows<'a> {
     layout: &'a Layout,
     plan: Vec<Column>,
+    /// Number of the line that the block begins with.
+    first_line: u64,
     /// The row being read: nothing is kept of a row with a bad cell.
     values: Vec<f64>,
     skip_bad_rows: bool,
@@ -181,7 +184,8 @@ impl Rows<'_> {
     #[inline]
     fn keep(&mut self, line: u32) {
         self.layout.push(&mut self.parsed.chunk, &self.values);
-        self.parsed.numbers.push(line);
+        let number = self.first_line + u64::from(line);
+        self.parsed.numbers.push(number);
     }
 
     /// Takes a row by its cells; returns whether to go on.
@@ -203,7 +207,7 @@ impl Rows<'_> {
     /// Reads the cells of a row; whether it is one that is wanted.
     fn checked(&mut self, line: u32, cells: &[&[u8]]) -> Result<bool, Box<Bad>> {
         let layout = self.layout;
-        let number = self.parsed.base + u64::from(line);
+        let number = self.first_line + u64::from(line);
         let mut time_s = None;
         let bad = |time_s, reason, error| {
             Err(Box::new(Bad {
