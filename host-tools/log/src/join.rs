@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
+use super::channel_columns::ChannelColumns;
 use super::chunk::Chunk;
-use super::columns::{ChannelColumns, FoundTemp, TempSource};
+use super::temp_columns::{FoundTemp, TempSource};
 use super::time::TimeUnit;
 
 /// A temperature is held for so long where there is none \[s\].

@@ -4,16 +4,16 @@ use std::path::{Path, PathBuf};
 
 use super::LogError;
 use super::chunk::Chunk;
-use super::columns::{Columns, TempSource};
+use super::columns::Columns;
 use super::decimal;
-use super::dialect::{Header, Separator, is_clock};
-use super::encoding::Encoding;
+use super::dialect::Separator;
 use super::excerpt::{excerpt, excerpt_of_bytes};
 use super::join::{HOLD_S, Joined};
 use super::known::Signs;
 use super::mapping::Mapping;
-use super::names::Linear;
 use super::skipped::Reason;
+use super::slot::{Conversion, Kind, Slot};
+use super::temp_columns::TempSource;
 use super::time::TimeUnit;
 
 /// Temperatures outside this range \[degC\] are taken for a wrong unit, not for a reading.
@@ -29,58 +29,6 @@ pub(super) enum RowKind {
     Line,
     /// A row of a table without lines; the first is row 1.
     Row,
-}
-
-/// What a value stands for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
-    Time,
-    Temp(usize),
-    Axis(usize),
-}
-
-/// A value of a row and where it is read.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Slot {
-    pub(super) kind: Kind,
-    pub(super) position: usize,
-    pub(super) conversion: Conversion,
-}
-
-/// From the number in a cell to the unit of the log.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Conversion {
-    None,
-    /// Ticks, so many in a second: a division rounds once.
-    PerSecond(f64),
-    Linear(Linear),
-}
-
-impl Conversion {
-    fn linear(linear: Linear) -> Self {
-        match linear == Linear::NONE {
-            true => Self::None,
-            false => Self::Linear(linear),
-        }
-    }
-
-    #[inline]
-    pub(super) fn of(self, value: f64) -> f64 {
-        match self {
-            Self::None => value,
-            Self::PerSecond(ticks) => value / ticks,
-            Self::Linear(linear) => value * linear.scale + linear.offset,
-        }
-    }
-
-    /// The number in a cell that becomes this value.
-    fn inverse(self, value: f64) -> f64 {
-        match self {
-            Self::None => value,
-            Self::PerSecond(ticks) => value * ticks,
-            Self::Linear(linear) => (value - linear.offset) / linear.scale,
-        }
-    }
 }
 
 /// The columns of a log.
@@ -126,71 +74,6 @@ pub(super) struct Found<'a> {
 }
 
 impl Layout {
-    /// Of a text.
-    ///
-    /// # Errors
-    /// Those of [`new`](Self::new); numbers of which some have a decimal comma and some a point.
-    pub(super) fn of_text(
-        header: Header,
-        encoding: Encoding,
-        finder: &Finder,
-    ) -> Result<Self, LogError> {
-        let path = finder.path;
-        let line = u64::from(header.line) + 1;
-        let mut notes = Vec::new();
-        let names = header.names.iter().map(|name| text_of(name));
-        let names = names.collect::<Option<Vec<String>>>();
-        let names = names.ok_or_else(|| LogError::line(path, line, NO_TEXT))?;
-        let refused = |message: String| LogError::line(path, line, message);
-        let found = Found {
-            preamble: &header.preamble,
-            sample: &header.sample,
-            row_kind: RowKind::Line,
-        };
-        let mut layout = Self::new(names, &found, finder).map_err(refused)?;
-        if encoding != Encoding::Utf8 {
-            notes.push("UTF-16".to_owned());
-        } else if header
-            .names
-            .iter()
-            .any(|name| str::from_utf8(name).is_err())
-        {
-            notes.push("names in Latin-1".to_owned());
-        }
-        if header.separator != Separator::Comma {
-            notes.push(format!("cells separated by {}", header.separator.name()));
-        }
-        layout.separator = header.separator;
-        let positions: Vec<usize> = layout.slots.iter().map(|slot| slot.position).collect();
-        layout.decimal_comma = has_decimal_comma(&header, &positions)
-            .map_err(|(row, message)| LogError::line(path, line + row, message))?;
-        if layout.decimal_comma {
-            notes.push("decimal comma".to_owned());
-        }
-        if let Some(first) = header.preamble.first() {
-            notes.push(format!(
-                "{} lines before the header passed over, from `{}` on",
-                header.preamble.len(),
-                excerpt_of_bytes(first)
-            ));
-        }
-        layout.columns.reading.notes = notes;
-        let unit = layout.columns.time_unit;
-        if unit.has_origin() {
-            let cells = header.sample.iter();
-            let mut cells = cells.filter_map(|row| unit.nanoseconds(row.get(layout.columns.time)?));
-            layout.origin_ns = cells.next();
-            layout.slots[0].conversion = Conversion::None;
-            layout.converts = layout.has_conversion();
-        }
-        if let Some(joined) = &mut layout.joined {
-            joined
-                .align(unit, layout.origin_ns)
-                .map_err(|message| LogError::file(path, message))?;
-        }
-        Ok(layout)
-    }
-
     /// Finds the columns of a header.
     ///
     /// # Errors
@@ -257,7 +140,7 @@ impl Layout {
         Ok(layout)
     }
 
-    fn has_conversion(&self) -> bool {
+    pub(super) fn has_conversion(&self) -> bool {
         let mut slots = self.slots.iter();
         slots.any(|slot| slot.conversion != Conversion::None)
     }
@@ -401,73 +284,4 @@ impl Layout {
             },
         }
     }
-}
-
-const NO_TEXT: &str = "the header is no text: expected column names such as `time_s,temp_c,x_dph`";
-
-/// A name as text. Bytes that are not UTF-8 are Latin-1, in which spreadsheets write `°`; a control
-/// character among them says that they are no text.
-fn text_of(name: &[u8]) -> Option<String> {
-    let text = match str::from_utf8(name) {
-        Ok(text) => text.to_owned(),
-        Err(_) => {
-            let text: String = name.iter().map(|&byte| char::from(byte)).collect();
-            if text.contains(char::is_control) {
-                return None;
-            }
-            text
-        }
-    };
-    Some(text.trim().to_owned())
-}
-
-/// Whether the numbers of the first rows, in the columns that are read, have a decimal comma.
-///
-/// # Errors
-/// Two signs, or commas that may stand between thousands; with the place of the row.
-fn has_decimal_comma(header: &Header, positions: &[usize]) -> Result<bool, (u64, String)> {
-    let (mut point, mut comma, mut is_certain) = (None, None, false);
-    for (row, cells) in header.sample.iter().enumerate() {
-        for cell in positions.iter().filter_map(|&position| cells.get(position)) {
-            if is_clock(cell) {
-                continue;
-            }
-            if decimal::parse(cell).is_some() && cell.contains(&b'.') {
-                point.get_or_insert(cell);
-            } else if decimal::parse_with(cell, true).is_some() && cell.contains(&b',') {
-                comma.get_or_insert((row as u64 + 1, cell));
-                is_certain |= !may_be_thousands(cell);
-            }
-        }
-    }
-    let Some((row, cell)) = comma else {
-        return Ok(false);
-    };
-    let cell = excerpt_of_bytes(cell);
-    match point {
-        Some(point) => Err((
-            row,
-            format!(
-                "`{cell}` has a decimal comma and `{}` a decimal point: expected one of them",
-                excerpt_of_bytes(point)
-            ),
-        )),
-        None if !is_certain => Err((
-            row,
-            format!(
-                "`{cell}` may have a decimal comma, or a comma between thousands: expected a \
-                 decimal point"
-            ),
-        )),
-        None => Ok(true),
-    }
-}
-
-/// Whether a comma may stand before three digits of a larger number: `1,234`, not `0,123`.
-fn may_be_thousands(cell: &[u8]) -> bool {
-    let cell = cell.strip_prefix(b"-").unwrap_or(cell);
-    let comma = cell.iter().position(|&byte| byte == b',').unwrap_or(0);
-    let (whole, decimals) = (&cell[..comma], &cell[comma + 1..]);
-    let is_number = |text: &[u8]| text.iter().all(u8::is_ascii_digit);
-    (1..=3).contains(&whole.len()) && whole[0] != b'0' && decimals.len() == 3 && is_number(decimals)
 }

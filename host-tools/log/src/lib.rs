@@ -11,7 +11,8 @@
 //! | `source`, `blocks`, `records`, `decimal`, `rows`, `pipeline` | text: unpacked, cut into blocks, parsed on all cores |
 //! | `parquet`, `time_types`, `pages` | tables of Parquet, columns of times, pages of bounded size |
 //! | `names`, `known`, `mapping`, `time` | what names say; known loggers; columns that a user names |
-//! | `columns`, `layout`, [`AxisUnit`] | which column is what, in which unit |
+//! | `time_column`, `temp_columns`, `axis_columns`, `channel_columns`, `filter_columns`, `columns`, [`AxisUnit`] | which column is what, in which unit |
+//! | `slot`, `layout`, `text_layout`, `decimal_comma` | what the cells of a column must hold |
 //! | `order`, `row_numbers`, `clock`, `bursts` | times that increase: counters that wrap, restarts, stamps of whole bursts |
 //! | `hold`, `join` | temperatures where a row has none: the last one, or that of another log |
 //! | `interval`, `stream`, `chunk`, `skipped` | rows in chunks, their usual interval; bad rows, counted by reason |
@@ -20,12 +21,17 @@
 //! | [`decimate`], [`median`], [`parallel`] | an evenly spaced sample of a series; medians; work on all cores |
 #![forbid(unsafe_code)]
 
+mod axis_columns;
 mod blocks;
 mod bursts;
+mod channel_columns;
 mod chunk;
 mod clock;
 mod columns;
+#[cfg(test)]
+mod columns_tests;
 mod decimal;
+mod decimal_comma;
 pub mod decimate;
 mod dialect;
 #[cfg(test)]
@@ -33,6 +39,7 @@ mod dialect_tests;
 mod encoding;
 mod error;
 mod excerpt;
+mod filter_columns;
 mod head;
 mod hold;
 mod interval;
@@ -57,16 +64,21 @@ mod row_numbers;
 mod rows;
 pub mod signals;
 mod skipped;
+mod slot;
 mod source;
 mod stream;
+mod temp_columns;
 #[cfg(test)]
 mod tests;
+mod text_layout;
 mod time;
+mod time_column;
 mod time_types;
 mod unit;
 
+pub use axis_columns::AxisColumn;
+pub use channel_columns::ChannelColumns;
 pub use chunk::Chunk;
-pub use columns::{AxisColumn, ChannelColumns};
 pub use error::LogError;
 pub use excerpt::list_names;
 pub use interval::Intervals;

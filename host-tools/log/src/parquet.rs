@@ -14,12 +14,13 @@ use parquet::schema::types::ColumnDescriptor;
 
 use super::LogError;
 use super::excerpt::excerpt;
-use super::layout::{Conversion, Finder, Found, Kind, Layout, RowKind};
+use super::layout::{Finder, Found, Layout, RowKind};
 use super::mapping::Mapping;
 use super::order::{Bad, Parsed};
 use super::pages::{BoundedFile, LARGEST_PAGE, Pages, TooLarge};
 use super::row_numbers::RowNumbers;
 use super::skipped::{Reason, SkippedRows};
+use super::slot::{Conversion, Kind};
 use super::source::Source;
 use super::time::TimeUnit;
 use super::time_types::{TimeType, time_types};

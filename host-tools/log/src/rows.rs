@@ -4,14 +4,15 @@ use memchr::{memchr_iter, memchr2};
 
 use super::LogError;
 use super::blocks::Block;
-use super::columns::several_sources;
 use super::decimal;
 use super::dialect::{Separator, split_blanks};
-use super::layout::{Kind, Layout, Slot};
+use super::filter_columns::several_sources;
+use super::layout::Layout;
 use super::order::{Bad, Parsed};
 use super::records::{MOST_CELLS, Records};
 use super::row_numbers::RowNumbers;
 use super::skipped::{Reason, SkippedRows};
+use super::slot::{Kind, Slot};
 
 /// Bytes that a row takes at least, about: room is made for so many rows.
 const BYTES_PER_ROW: usize = 16;

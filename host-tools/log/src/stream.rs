@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use super::channel_columns::ChannelColumns;
 use super::chunk::Chunk;
-use super::columns::{ChannelColumns, joined_temps};
 use super::join::Joined;
 use super::layout::{Finder, Layout};
 use super::mapping::Mapping;
@@ -14,6 +14,7 @@ use super::parquet::ParquetRows;
 use super::pipeline::Pipeline;
 use super::skipped::SkippedRows;
 use super::source::{Format, Source};
+use super::temp_columns::joined_temps;
 use super::{LogError, ReadOptions, Reading};
 
 /// Text parsed at a time: few enough for the cache of a core, enough to make handing over cheap.
