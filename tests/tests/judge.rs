@@ -128,7 +128,7 @@ fn chosen(model: &str, rate_columns: usize, rates: &[f64]) -> Value {
             "excess_sigma": 0.1}})
 }
 
-const CASES: [Case; 40] = [
+const CASES: [Case; 41] = [
     PLAIN,
     Case {
         name: "segments that disagree",
@@ -400,6 +400,16 @@ const CASES: [Case; 40] = [
                 json!([found("full_scale", "x"), found("fahrenheit", "temp_c")]);
         },
         codes: &["fahrenheit", "full_scale"],
+        ..PLAIN
+    },
+    Case {
+        name: "doubts about how the fitted log was read",
+        change: |set| {
+            let doubt = |kind: &str| json!({"kind": kind, "detail": "it is so"});
+            let kinds = ["own_correction", "time_restarts", "long_bursts"];
+            set["provenance"]["inputs"][0]["doubts"] = json!(kinds.map(doubt));
+        },
+        codes: &["long_bursts", "own_correction", "time_restarts"],
         ..PLAIN
     },
     Case {

@@ -1,5 +1,6 @@
 //! Logs as loggers write them: from the file to a set, and to a verdict, without an option again.
 
+use serde_json::Value;
 use tempco_tests::{Bench, root};
 
 /// Rows of a chamber log: time \[s\], temperature \[degC\] and three axes \[deg/s\].
@@ -154,6 +155,77 @@ fn every_log_is_fitted_and_judged_with_the_columns_that_were_kept() {
     // An image keeps no columns.
     let refused = bench.run("evaluate counts/table.bin counts.csv");
     assert_eq!(refused.code, 2, "{}", refused.out);
+}
+
+/// Codes of the warnings in what a command printed as JSON.
+fn warned(out: &str) -> Vec<String> {
+    let said: Value = serde_json::from_str(out).expect("JSON");
+    let warnings = said["warnings"].as_array().expect("warnings");
+    let code = |warning: &Value| warning["code"].as_str().expect("a code").to_owned();
+    warnings.iter().map(code).collect()
+}
+
+/// What a person must judge of a log is printed, kept, and said again wherever the set is judged.
+#[test]
+fn doubts_about_a_log_are_warnings() {
+    let bench = Bench::new();
+    let plain = |t: f64, c: f64, [x, y, z]: [f64; 3]| format!("{t},{c:.4},{x:.4},{y:.4},{z:.4}");
+    let again = log("", plain);
+    let restarted = log("time_s,temp_c,gx_dps,gy_dps,gz_dps", plain) + again.trim_start();
+    let temps: String = restarted
+        .lines()
+        .map(|row| {
+            let cells: Vec<&str> = row.split(',').collect();
+            format!("{},{}\n", cells[0], cells[1])
+        })
+        .collect();
+    bench.write("temps.csv", &temps);
+    let own = log("TimeUS,GyrX,GyrY,GyrZ,T", |t, c, axes| {
+        let [x, y, z] = axes.map(f64::to_radians);
+        format!("{},{x:.7},{y:.7},{z:.7},{c:.2}", (t * 1e6) as u64)
+    });
+    let alone = log("time_s,gx_dps,gy_dps,gz_dps", |t, _, [x, y, z]| {
+        format!("{t},{x:.4},{y:.4},{z:.4}")
+    });
+    for (file, text, options, code, part) in [
+        ("own.csv", own, "", "own_correction", "INS_TCALn_ENABLE"),
+        (
+            "restarted.csv",
+            restarted,
+            "",
+            "time_restarts",
+            "from 8099.5 s on",
+        ),
+        (
+            "alone.csv",
+            alone,
+            "--join temps.csv",
+            "time_restarts",
+            "in temps.csv: the recorder",
+        ),
+    ] {
+        bench.write(file, &text);
+        let ran = bench.run(&format!(
+            "fit {file} --serial S1 --out set --no-report {options}"
+        ));
+        let said = ran.out + &ran.err;
+        assert!(ran.code == 0 && said.contains(part), "{file}: {said}");
+        let ran = bench.run(&format!(
+            "fit {file} --serial S1 --out set {options} --json"
+        ));
+        assert_eq!(warned(&ran.out)[0], code, "{file}: {}", ran.out);
+        let page = std::fs::read_to_string(bench.path("set/report.html")).unwrap();
+        assert!(page.contains(code) && page.contains(part), "{file}");
+        let ran = bench.run("inspect set/coefficients.json --json");
+        assert_eq!(warned(&ran.out)[0], code, "{file}: {}", ran.out);
+    }
+    // A clean set is warned of by the log that it is judged on, and a clean log leaves no doubt.
+    bench.write("plain.csv", &logs()[0].2);
+    let ran = bench.run("fit plain.csv --serial S1 --out clean --no-report --json");
+    assert_eq!(warned(&ran.out), Vec::<String>::new(), "{}", ran.out);
+    let ran = bench.run("evaluate clean/coefficients.json restarted.csv --json");
+    let codes = warned(&ran.out);
+    assert!(codes.contains(&"time_restarts".to_owned()), "{codes:?}");
 }
 
 /// The cases next to the project, where they can be made.

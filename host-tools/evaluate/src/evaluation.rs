@@ -5,7 +5,7 @@ use std::ops::RangeInclusive;
 use serde::Serialize;
 use tempco::{Status, Terms, ThermalPoint};
 use tempco_log::signals::{self, Finding};
-use tempco_log::{AxisUnit, Log, SkippedRows};
+use tempco_log::{AxisUnit, Doubt, Log, SkippedRows};
 use tempco_set::run::{Applied, ApplyError, apply};
 use tempco_set::{ChannelSet, CoefficientSet, CoefficientSigmas, SegmentSet};
 use thiserror::Error;
@@ -61,6 +61,9 @@ pub struct JudgedLog {
     /// What is wrong with its signals.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub findings: Vec<Finding>,
+    /// What a person must judge of how it was read.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub doubts: Vec<Doubt>,
     /// Rows left out on reading because skipping bad rows was asked for, by reason.
     #[serde(skip_serializing_if = "is_empty")]
     pub skipped: SkippedRows,
@@ -234,6 +237,7 @@ fn judged_log(set: &CoefficientSet, log: &Log) -> JudgedLog {
             Role::Verification
         },
         findings,
+        doubts: log.reading.doubts.clone(),
     }
 }
 

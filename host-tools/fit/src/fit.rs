@@ -194,6 +194,7 @@ fn input(log: &LogSummary) -> Input {
         interval_s: log.interval_s,
         duration_s: log.duration_s,
         findings: log.findings.clone(),
+        doubts: log.reading.doubts.clone(),
         mapping: log.reading.mapping.clone(),
     }
 }

@@ -25,7 +25,8 @@ const GAP: f64 = 3.0;
 pub(super) struct Bursts {
     /// Stamps that are this close belong to one burst \[s\].
     together_s: f64,
-    period_s: f64,
+    /// Time from burst to burst \[s\].
+    pub(super) period_s: f64,
     /// Stamp of the burst before \[s\].
     before_s: Option<f64>,
     pub(super) rows: usize,

@@ -3,6 +3,8 @@
 //! A counter that wraps goes on. A recorder that starts again begins a run of its own, an hour
 //! later. One stamp far ahead of both neighbours is the bad one.
 
+use super::doubt::{Doubt, DoubtKind};
+
 /// Counters wrap after this long \[s\]: 2^32 us, 2^32 ms, 2^16 ms, a day, a week.
 const WRAPS_S: [f64; 5] = [4_294.967_296, 4_294_967.296, 65.536, 86_400.0, 604_800.0];
 
@@ -25,6 +27,10 @@ const LEAST_STEPS: f64 = 100.0;
 /// than any time constant.
 const RESTART_GAP_S: f64 = 3600.0;
 
+/// Bursts further apart than this leave in doubt when a row was measured \[s\]: a mean of the fit is
+/// as long.
+const LONG_BURST_S: f64 = 10.0;
+
 /// Stamps that a judgement needs after the one that is judged.
 pub(super) const LOOK_AHEAD: usize = 1;
 
@@ -41,6 +47,8 @@ pub(super) struct TimeNotes {
     pub(super) repeated_rows: usize,
     /// Rows per burst, where the logger stamps whole bursts; 0 else.
     pub(super) rows_per_burst: usize,
+    /// Time from burst to burst \[s\]; 0 where there are none.
+    pub(super) burst_s: f64,
 }
 
 impl TimeNotes {
@@ -58,11 +66,6 @@ impl TimeNotes {
                 self.wrap_s
             )),
         }
-        for time_s in &self.restarts_s {
-            words.push(format!(
-                "the recorder starts again: a run of its own, from {time_s:.1} s on"
-            ));
-        }
         if self.rows_per_burst > 0 {
             words.push(format!(
                 "rows are stamped in bursts of {}: each is spread over the time since the one before",
@@ -76,6 +79,39 @@ impl TimeNotes {
             ));
         }
         words
+    }
+
+    /// What a person must judge of it. A counter that wraps, a row that is written twice and short
+    /// bursts leave no doubt about the times.
+    pub(super) fn doubts(&self) -> Vec<Doubt> {
+        let restarts = match self.restarts_s[..] {
+            [] => None,
+            [time_s] => Some(format!(
+                "the recorder starts again: a run of its own, set an hour later, from {time_s:.1} s on"
+            )),
+            [first_s, .., last_s] => Some(format!(
+                "the recorder starts again {} times: runs of their own, each set an hour later, the \
+                 first from {first_s:.1} s on and the last from {last_s:.1} s on",
+                self.restarts_s.len()
+            )),
+        };
+        let bursts = (self.burst_s > LONG_BURST_S).then(|| {
+            format!(
+                "{} rows have one stamp, every {:.1} s: when each was measured is a guess",
+                self.rows_per_burst, self.burst_s
+            )
+        });
+        let found = [
+            (DoubtKind::TimeRestarts, restarts),
+            (DoubtKind::LongBursts, bursts),
+        ];
+        let doubt = |(kind, detail)| {
+            Some(Doubt {
+                kind,
+                detail: detail?,
+            })
+        };
+        found.into_iter().filter_map(doubt).collect()
     }
 }
 

@@ -4,6 +4,7 @@ use std::collections::HashSet;
 
 use super::axis_columns::{AxisColumn, find_axes};
 use super::channel_columns::{ChannelColumns, assign, texts_of};
+use super::doubt::{Doubt, DoubtKind};
 use super::excerpt::excerpt;
 use super::filter_columns::find_filters;
 use super::known::{Signs, recognise};
@@ -90,6 +91,11 @@ impl Columns {
         let ignored =
             ignored.filter(|(position, name)| !used.contains(position) && !name.is_empty());
         let ignored = ignored.map(|(_, name)| name.clone()).collect();
+        let own_correction = known.as_ref().and_then(|known| known.warning);
+        let own_correction = own_correction.map(|detail| Doubt {
+            kind: DoubtKind::OwnCorrection,
+            detail: detail.to_owned(),
+        });
         let temp_texts = texts_of(&temps, &axes);
         let used_mapping = Mapping {
             time: time.2,
@@ -107,7 +113,7 @@ impl Columns {
             reading: Reading {
                 layout: known.as_ref().map(|known| known.name.to_owned()),
                 notes: Vec::new(),
-                warning: known.and_then(|known| known.warning),
+                doubts: own_correction.into_iter().collect(),
                 mapping: (!used_mapping.is_empty()).then_some(used_mapping),
             },
         })

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::channel_columns::ChannelColumns;
 use super::chunk::Chunk;
+use super::doubt::Doubt;
 use super::temp_columns::{FoundTemp, TempSource};
 use super::time::TimeUnit;
 
@@ -17,6 +18,8 @@ pub(super) struct Joined {
     pub(super) temps: Vec<FoundTemp>,
     /// The file.
     pub(super) file: String,
+    /// What a person must judge of it.
+    pub(super) doubts: Vec<Doubt>,
     pub(super) unit: TimeUnit,
     pub(super) origin_ns: Option<i128>,
     /// Seconds to add to its times to get times of the log.

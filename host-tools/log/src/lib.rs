@@ -16,7 +16,7 @@
 //! | `order`, `row_numbers`, `clock`, `bursts` | times that increase: counters that wrap, restarts, stamps of whole bursts |
 //! | `hold`, `join` | temperatures where a row has none: the last one, or that of another log |
 //! | `interval`, `stream`, `chunk`, `skipped` | rows in chunks, their usual interval; bad rows, counted by reason |
-//! | `log`, `read`, `reading` | a whole [`Log`], and how it was read |
+//! | `log`, `read`, `reading`, `doubt` | a whole [`Log`], how it was read, and what is in doubt of that |
 //! | [`signals`] | signals that are not what they are said to be |
 //! | [`decimate`], [`median`], [`parallel`] | an evenly spaced sample of a series; medians; work on all cores |
 #![forbid(unsafe_code)]
@@ -36,6 +36,7 @@ pub mod decimate;
 mod dialect;
 #[cfg(test)]
 mod dialect_tests;
+mod doubt;
 mod encoding;
 mod error;
 mod excerpt;
@@ -79,6 +80,7 @@ mod unit;
 pub use axis_columns::AxisColumn;
 pub use channel_columns::ChannelColumns;
 pub use chunk::Chunk;
+pub use doubt::{Doubt, DoubtKind};
 pub use error::LogError;
 pub use excerpt::list_names;
 pub use interval::Intervals;

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use super::{AxisUnit, Log, Mapping, ReadOptions, read_log};
+use super::{AxisUnit, DoubtKind, Log, Mapping, ReadOptions, read_log};
 
 fn read_as(file: &str, text: &str, options: &ReadOptions) -> Result<Log, String> {
     let folder = tempfile::tempdir().unwrap();
@@ -103,6 +103,8 @@ fn ardupilot_must_have_one_source() {
             .to_string()
             .contains("temperature correction may be in it")
     );
+    assert_eq!(log.reading.doubts.len(), 1);
+    assert_eq!(log.reading.doubts[0].kind, DoubtKind::OwnCorrection);
     assert!(log.ignored_columns.contains(&"AccX".to_owned()));
     let two = ardupilot(300, |row| row % 2);
     let error = read("log.csv", &two).unwrap_err();

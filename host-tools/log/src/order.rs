@@ -119,11 +119,13 @@ impl TimeOrder {
 
     /// What was found in the stamps so far.
     pub(super) fn notes(&self) -> TimeNotes {
+        let (rows_per_burst, burst_s) = match &self.stamping {
+            Stamping::InBursts(bursts) => (bursts.rows, bursts.period_s),
+            Stamping::Unknown | Stamping::EachRow => (0, 0.0),
+        };
         TimeNotes {
-            rows_per_burst: match &self.stamping {
-                Stamping::InBursts(bursts) => bursts.rows,
-                Stamping::Unknown | Stamping::EachRow => 0,
-            },
+            rows_per_burst,
+            burst_s,
             ..self.clock.notes.clone()
         }
     }

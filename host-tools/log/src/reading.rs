@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use super::doubt::Doubt;
 use super::mapping::Mapping;
 
 /// What was found in a log that a plain log does not have, and how it was read therefore.
@@ -11,8 +12,8 @@ pub struct Reading {
     pub layout: Option<String>,
     /// What was found in its text, each in some words.
     pub notes: Vec<String>,
-    /// What must be known of this layout.
-    pub warning: Option<&'static str>,
+    /// What a person must judge of it.
+    pub doubts: Vec<Doubt>,
     /// The columns, where they do not all have plain names.
     pub mapping: Option<Mapping>,
 }
@@ -31,9 +32,7 @@ impl fmt::Display for Reading {
         let options = self.mapping.as_ref().map(Mapping::options);
         let parts: Vec<String> = parts.chain(options).collect();
         f.write_str(&parts.join("; "))?;
-        match self.warning {
-            Some(warning) => write!(f, "; warning: {warning}"),
-            None => Ok(()),
-        }
+        let mut doubts = self.doubts.iter();
+        doubts.try_for_each(|doubt| write!(f, "; warning: {}", doubt.detail))
     }
 }

@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::channel_columns::ChannelColumns;
 use super::chunk::Chunk;
+use super::doubt::Doubt;
 use super::join::Joined;
 use super::layout::{Finder, Layout};
 use super::mapping::Mapping;
@@ -194,7 +195,12 @@ impl LogStream {
     /// How the log is read, as far as it is known from the rows so far.
     pub fn reading(&self) -> Reading {
         let mut reading = self.layout.columns.reading.clone();
-        reading.notes.extend(self.order.notes().in_words());
+        let notes = self.order.notes();
+        reading.notes.extend(notes.in_words());
+        reading.doubts.extend(notes.doubts());
+        if let Some(joined) = &self.layout.joined {
+            reading.doubts.extend_from_slice(&joined.doubts);
+        }
         reading
     }
 
@@ -226,11 +232,17 @@ fn read_joined(path: &Path, options: &ReadOptions, mapping: &Mapping) -> Result<
     if rows.rows() == 0 {
         return Err(LogError::too_few_rows(path, 0));
     }
+    let file = path.display().to_string();
+    let doubts = stream.reading().doubts.into_iter().map(|doubt| Doubt {
+        detail: format!("in {file}: {}", doubt.detail),
+        ..doubt
+    });
     let layout = stream.layout();
     let temps = joined_temps(&layout.header, &own.mapping);
     Ok(Joined {
         temps: temps.map_err(|message| LogError::file(path, message))?,
-        file: path.display().to_string(),
+        doubts: doubts.collect(),
+        file,
         unit: layout.columns.time_unit,
         origin_ns: layout.origin_ns,
         offset_s: 0.0,

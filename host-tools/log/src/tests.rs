@@ -14,7 +14,7 @@ use parquet::schema::parser::parse_message_type;
 use proptest::prelude::*;
 
 use super::clock::TimeNotes;
-use super::{Chunk, LogError, LogStream, ReadOptions, read_log};
+use super::{Chunk, DoubtKind, LogError, LogStream, ReadOptions, read_log};
 
 /// Reads a log in parts of `size` bytes, or rows of a table.
 fn read_in_parts(path: &Path, size: usize, skip_bad_rows: bool) -> Result<Chunk, LogError> {
@@ -479,17 +479,26 @@ fn stamps_of_every_logger_become_times_in_parts_of_any_size() {
     let wrapped: Vec<f64> = even.iter().map(|t| (t + 4200.0) % 4_294.967_296).collect();
     let restarted: Vec<f64> = even[..1000].iter().chain(&even[..1000]).copied().collect();
     let bursts: Vec<f64> = even.iter().map(|t| (t / 2.5).floor() * 2.5).collect();
+    let long_bursts: Vec<f64> = bursts.iter().map(|t| 5.0 * t).collect();
+    let kinds = |notes: &TimeNotes| -> Vec<DoubtKind> {
+        notes.doubts().iter().map(|doubt| doubt.kind).collect()
+    };
     for size in [50, 1000, 1 << 20] {
         let (rows, notes) = read_stamps(&wrapped, size, false).unwrap();
         assert_eq!((rows.rows(), notes.wraps), (2000, 1));
+        assert_eq!(kinds(&notes), []);
         assert!((rows.time_s[1999] - rows.time_s[0] - 499.75).abs() < 1e-6);
 
         let (rows, notes) = read_stamps(&restarted, size, false).unwrap();
         assert_eq!((rows.rows(), &notes.restarts_s[..]), (2000, &[3849.75][..]));
+        assert_eq!(kinds(&notes), [DoubtKind::TimeRestarts]);
         assert_eq!(rows.time_s[1999], 3849.75 + 249.75);
 
         let (rows, notes) = read_stamps(&bursts, size, false).unwrap();
         assert_eq!((rows.rows(), notes.rows_per_burst), (2000, 10));
+        assert_eq!(kinds(&notes), []);
+        let (_, notes) = read_stamps(&long_bursts, size, false).unwrap();
+        assert_eq!(kinds(&notes), [DoubtKind::LongBursts]);
         let steps = rows.time_s.windows(2).map(|pair| pair[1] - pair[0]);
         assert!(steps.into_iter().all(|step| (step - 0.25).abs() < 1e-9));
 

@@ -128,6 +128,7 @@ pub(crate) fn static_coefficients(path: &Path, text: &str) -> Result<Coefficient
         interval_s: 0.0,
         duration_s: 0.0,
         findings: Vec::new(),
+        doubts: Vec::new(),
         mapping: None,
     };
     let set = build::set(

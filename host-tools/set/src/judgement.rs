@@ -196,6 +196,15 @@ codes! {
         Fahrenheit = "fahrenheit":
             "The temperatures look like degrees Fahrenheit.",
             "If they are, convert them to degC and fit again.";
+        OwnCorrection = "own_correction":
+            "The logger's own temperature correction may be in the values.",
+            "If it was on, switch it off, record again and fit that log.";
+        TimeRestarts = "time_restarts":
+            "The recorder started again. Its runs are set an hour apart, since nobody knows the pause.",
+            "Check that this is so. If the pause was short, the rates after it are wrong: cut the file, and fit the runs as logs of their own.";
+        LongBursts = "long_bursts":
+            "Rows are stamped in bursts more than 10 s apart, so the time of each row is a guess.",
+            "Record a time for each row.";
         FewMeans = "few_means":
             "The logs hold fewer than 60 means of 10 s.",
             "Record a longer run.";

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 use tempco_log::signals::Finding;
-use tempco_log::{Mapping, SkippedRows};
+use tempco_log::{Doubt, Mapping, SkippedRows};
 
 use crate::{Rejection, RejectionCode, Warning};
 
@@ -84,6 +84,9 @@ pub struct Input {
     /// What is wrong with its signals.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub findings: Vec<Finding>,
+    /// What a person must judge of how it was read.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub doubts: Vec<Doubt>,
     /// How its columns were read, where they do not all have plain names.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mapping: Option<Mapping>,

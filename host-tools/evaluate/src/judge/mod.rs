@@ -11,6 +11,7 @@
 mod bad_rows;
 mod merit;
 mod of_log;
+mod of_reading;
 mod of_remains;
 mod of_screening;
 mod of_set;

@@ -4,6 +4,7 @@ use tempco_set::{Judgement, Rejection, RejectionCode, SignOff, Warning, WarningC
 
 use super::bad_rows;
 use super::merit::{Merit, no_better_than_none};
+use super::of_reading;
 use super::of_signals;
 use crate::evaluation::{AxisEvaluation, Evaluation, Role};
 use crate::text::percent;
@@ -169,6 +170,8 @@ fn outside(evaluation: &Evaluation) -> Option<(f64, String)> {
 /// What the log warns of.
 pub(super) fn warnings(evaluation: &Evaluation) -> Vec<Warning> {
     let (_, mut warnings) = reasons_of_signals(evaluation);
+    let log = &evaluation.log;
+    warnings.extend(of_reading::warnings(&log.file, &log.doubts));
     for axis in &evaluation.axes {
         warn_of_residuals(axis, evaluation, &mut warnings);
     }

@@ -7,6 +7,7 @@ use tempco_set::{
 
 use super::bad_rows;
 use super::merit::{Merit, no_better_than_none};
+use super::of_reading;
 use super::of_remains;
 use super::of_screening;
 use super::of_signals;
@@ -31,6 +32,8 @@ pub(super) fn judge(set: &CoefficientSet, judgement: &mut Judgement) {
         let (rejections, warnings) = of_signals::reasons(&input.file, &input.findings, is_axis);
         judgement.rejections.extend(rejections);
         judgement.warnings.extend(warnings);
+        let doubts = of_reading::warnings(&input.file, &input.doubts);
+        judgement.warnings.extend(doubts);
     }
     // A constant cannot help, and the fit has said so. A set of constants is no compensation.
     let mut axes = set.channels.iter().flat_map(|channel| {
