@@ -25,11 +25,16 @@ pub(crate) fn note(
     tau_s: f64,
 ) -> Result<(), TableError> {
     for (channel, data) in set.channels.iter_mut().zip(channels) {
-        // Disturbed blocks are not fitted, but they are judged. Steps of the bias stay out.
+        // Disturbed blocks are not fitted, but they are judged. Steps of the bias stay out, and so
+        // do movements: next to one, chance would say whether compensation helps.
+        let moved = std::mem::take(&mut data.moved);
         *data = ChannelData {
             offsets: std::mem::take(&mut data.offsets),
             ..ChannelData::new(data.logs, data.channel)
         };
+        for (log, position) in moved {
+            data.keep[log][position] = false;
+        }
         let blocks = Blocks::new(data);
         let cubics = Cubics::fit(data);
         let tau_s = whole_blocks_s(data, tau_s);

@@ -135,6 +135,48 @@ fn is_said(set: &CoefficientSet, axis: &str, (from_s, to_s): (f64, f64)) -> bool
 /// An error beyond this is not of the noise; a clean run has less than half \[deg/s\].
 const WRONG: f64 = 0.01;
 
+/// A short movement dwarfs all that compensation does: whether it helps must not hang on the sign.
+#[test]
+fn a_movement_that_is_left_out_says_nothing_of_the_set() {
+    let clean = run(&RUN, 1);
+    let (set, _) = fitted(&clean);
+    let before = set.channels[0].axes[2].statistics.unwrap();
+    for from_s in [700.0, 1300.0, 2250.0, 3000.0] {
+        for rate in [-5.0, 5.0] {
+            let mut log = clean.clone();
+            add(&mut log, 2, (from_s, from_s + 20.0), |_| rate);
+            let (set, judgement) = fitted(&log);
+            assert!(judgement.is_accepted(), "{from_s} {rate} {judgement:?}");
+            let after = set.channels[0].axes[2].statistics.unwrap();
+            let ratio = after.rmse_raw / before.rmse_raw;
+            assert!((0.95..1.05).contains(&ratio), "{from_s} {rate} {ratio}");
+        }
+    }
+}
+
+/// The last block may be of one row. Counts whose rest comes with the next row are coarse there,
+/// not in whole blocks.
+#[test]
+fn a_last_block_of_few_rows_is_not_disturbed() {
+    for rows in 1..=8 {
+        let mut log = run(&RUN, 2);
+        let keep = log.rows() / 50 * 50 - 50 + rows;
+        log.time_s.truncate(keep);
+        log.channels[0].temp_c.truncate(keep);
+        for axis in &mut log.channels[0].axes {
+            axis.raw.truncate(keep);
+            let mut left = 0.0;
+            for raw in &mut axis.raw {
+                let value = *raw + left;
+                *raw = value.round();
+                left = value - *raw;
+            }
+        }
+        let (set, _) = fitted(&log);
+        assert_eq!(screening(&set).disturbances, [], "{rows}");
+    }
+}
+
 #[test]
 fn a_turn_is_rejected_or_left_out_and_said() {
     let clean = run(&RUN, 1);

@@ -287,9 +287,10 @@ fn undisturbed(blocks: &Blocks, residuals: &[Vec<f64>], limits: &[f64]) -> Vec<b
     (0..blocks.blocks.len()).map(is_within).collect()
 }
 
-/// A block of few rows may be further away, as its mean is noisier.
+/// A block of few rows may be further away, as its mean is noisier: with rows of white noise by the
+/// root of how few they are, with counts, whose rest comes with the next row, by how few they are.
 fn is_beyond(residual: f64, limit: f64, block: &Block, usual: f64) -> bool {
-    limit > 0.0 && residual.abs() > limit * (usual / block.weight).sqrt().max(1.0)
+    limit > 0.0 && residual.abs() > limit * (usual / block.weight).max(1.0)
 }
 
 /// How far the constant of each part is from the mean of all, by part and axis.
@@ -325,6 +326,16 @@ impl Reference {
             count += block.weight as usize;
         }
         count
+    }
+
+    /// Log and position of the blocks that leap.
+    pub(super) fn moved(&self) -> Vec<(usize, usize)> {
+        let leapt = self.leaps.iter().flat_map(|leaps| &leaps.left_out);
+        let blocks = self.blocks.blocks.iter().zip(leapt);
+        let moved = blocks.filter(|(_, leapt)| **leapt);
+        moved
+            .map(|(block, _)| (block.log, block.position))
+            .collect()
     }
 
     /// How far the constant of each log and axis is from the mean of the logs.

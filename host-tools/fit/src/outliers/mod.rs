@@ -37,6 +37,7 @@ pub(crate) fn leave_out(
         screening.disturbances = found.disturbances(data);
         screening.steps = found.steps(data);
         data.offsets = found.offsets(data);
+        data.moved = found.moved();
         if data.logs.len() > 1 {
             screening.constants = found.constants();
             data.constants.clone_from(&screening.constants);

@@ -13,6 +13,8 @@ pub(crate) struct ChannelData<'a> {
     pub(crate) constants: Vec<Vec<f64>>,
     /// For each log, its steps of the bias in order of time.
     pub(crate) offsets: Vec<Vec<Offset>>,
+    /// Log and position of the blocks that were left out because the unit moved.
+    pub(crate) moved: Vec<(usize, usize)>,
 }
 
 /// How far the constant bias is from the rest of the log, from a block on to the next offset.
@@ -37,6 +39,7 @@ impl<'a> ChannelData<'a> {
             keep: keep.collect(),
             constants: vec![vec![0.0; axes]; logs.len()],
             offsets: logs.iter().map(|_| Vec::new()).collect(),
+            moved: Vec::new(),
         }
     }
 
