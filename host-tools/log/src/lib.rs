@@ -9,7 +9,7 @@
 //! | --- | --- |
 //! | `encoding`, `head`, `dialect` | text: its encoding, separator and header |
 //! | `source`, `blocks`, `records`, `decimal`, `rows`, `pipeline` | text: unpacked, cut into blocks, parsed on all cores |
-//! | `parquet`, `time_types`, `pages` | tables of Parquet, columns of times, pages of bounded size |
+//! | `parquet`, `parquet_file`, `parquet_columns`, `parquet_filters`, `time_types`, `pages` | tables of Parquet, columns of times, pages of bounded size |
 //! | `names`, `known`, `mapping`, `time` | what names say; known loggers; columns that a user names |
 //! | `time_column`, `temp_columns`, `axis_columns`, `channel_columns`, `filter_columns`, `columns`, [`AxisUnit`] | which column is what, in which unit |
 //! | `slot`, `layout`, `text_layout`, `decimal_comma` | what the cells of a column must hold |
@@ -57,6 +57,11 @@ mod order;
 mod pages;
 pub mod parallel;
 mod parquet;
+mod parquet_columns;
+mod parquet_file;
+mod parquet_filters;
+#[cfg(test)]
+mod parquet_tests;
 mod pipeline;
 mod read;
 mod reading;

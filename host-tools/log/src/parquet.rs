@@ -1,23 +1,22 @@
 //! Rows of a Parquet file.
 
 use std::fs::File;
-use std::path::Path;
 use std::sync::{Arc, OnceLock};
 use std::thread::{self, JoinHandle};
 
-use parquet::basic::{ConvertedType, LogicalType, Type as PhysicalType};
-use parquet::column::reader::{ColumnReader, ColumnReaderImpl, get_column_reader};
-use parquet::data_type::DataType;
 use parquet::errors::ParquetError;
 use parquet::file::metadata::{ParquetMetaData, ParquetMetaDataReader};
-use parquet::schema::types::ColumnDescriptor;
 
 use super::LogError;
 use super::excerpt::excerpt;
+use super::filter_columns::several_sources;
 use super::layout::{Finder, Found, Layout, RowKind};
-use super::mapping::Mapping;
+use super::mapping::{Filter, Mapping};
 use super::order::{Bad, Parsed};
-use super::pages::{BoundedFile, LARGEST_PAGE, Pages, TooLarge};
+use super::pages::{BoundedFile, LARGEST_PAGE};
+use super::parquet_columns::{self as columns, Column, Origin};
+use super::parquet_file::{self, refused};
+use super::parquet_filters::{self as filters, Wanted};
 use super::row_numbers::RowNumbers;
 use super::skipped::{Reason, SkippedRows};
 use super::slot::{Conversion, Kind};
@@ -33,7 +32,9 @@ pub(super) struct ParquetRows {
     /// How the time column becomes seconds, if its type says it.
     time: Option<TimeType>,
     /// The first point in time, if the time column holds such.
-    origin: Arc<OnceLock<i64>>,
+    origin: Origin,
+    /// What is wanted of the column of each filter.
+    wanted: Vec<Arc<Wanted>>,
     skip_bad_rows: bool,
     rows_at_a_time: usize,
     /// The next group of rows.
@@ -41,7 +42,11 @@ pub(super) struct ParquetRows {
     /// Rows of the open group that were not yet read.
     rows_left: usize,
     /// For each slot, the reader of its column in the open group.
-    readers: Vec<Column>,
+    readers: Vec<Column<f64>>,
+    /// For each filter, the same.
+    filters: Vec<Column<bool>>,
+    /// The first cell of another source than the one that is wanted.
+    other_source: Arc<OnceLock<Vec<u8>>>,
     /// Rows read so far.
     row: u64,
     /// A second reader of the file, since its rows are not read from front to end.
@@ -53,8 +58,8 @@ impl ParquetRows {
     ///
     /// # Errors
     /// A file that is not sound, columns that do not name time, temperature and axes, columns that
-    /// hold no numbers. The time column may hold timestamps, times of day or durations; the only
-    /// such column needs no name that says so.
+    /// hold no numbers. The time column may hold timestamps, times of day or durations, of which the
+    /// only one needs no name that says so, or clock times as text.
     pub(super) fn open(
         source: Source,
         finder: &Finder,
@@ -69,14 +74,17 @@ impl ParquetRows {
         let schema = metadata.file_metadata().schema_descr();
         let header = schema.columns().iter().map(|column| column.path().string());
         let refused = |message: String| LogError::file(path, message);
-        let found = Found {
-            preamble: &[],
-            sample: &[],
-            row_kind: RowKind::Row,
-        };
         let header: Vec<String> = header.collect();
         // The type of a time column says more than its name.
         let types = time_types(metadata.file_metadata());
+        let file = Arc::new(file);
+        let sample = parquet_file::sample(&file, &metadata, &types)
+            .map_err(|cause| parquet_file::refused(path, &cause))?;
+        let found = Found {
+            preamble: &[],
+            sample: &sample,
+            row_kind: RowKind::Row,
+        };
         let mut timed = types.iter().zip(&header).filter(|(time, _)| time.is_some());
         let mapping = match (&finder.mapping.time, timed.next(), timed.next()) {
             (None, Some((_, name)), None) => Mapping {
@@ -95,38 +103,59 @@ impl ParquetRows {
             layout.columns.time_unit = TimeUnit::S;
             layout.slots[0].conversion = Conversion::None;
         }
-        if !layout.columns.filters.is_empty() || layout.columns.time_unit == TimeUnit::Iso {
-            let message = "--where and clock times: expected a log as text, such as CSV";
-            return Err(refused(message.to_owned()));
+        let is_iso = layout.columns.time_unit == TimeUnit::Iso;
+        if is_iso {
+            let cells = sample.iter().map(|row| &row[layout.columns.time]);
+            layout.origin_ns = cells
+                .filter_map(|cell| TimeUnit::Iso.nanoseconds(cell))
+                .next();
         }
         if let Some(joined) = &mut layout.joined {
             joined
-                .align(layout.columns.time_unit, None)
+                .align(layout.columns.time_unit, layout.origin_ns)
                 .map_err(refused)?;
         }
         for slot in &layout.slots {
             let column = schema.column(slot.position);
-            let is_time = slot.kind == Kind::Time && time.is_some();
-            if let Some(found) = no_number(&column).filter(|_| !is_time) {
-                let name = excerpt(&layout.header[slot.position]);
-                return Err(LogError::file(
-                    path,
-                    format!("column `{name}` holds {found}: expected floats or integers"),
-                ));
+            let name = excerpt(&layout.header[slot.position]);
+            let is_time = slot.kind == Kind::Time;
+            if is_time && is_iso && !columns::is_text(&column) {
+                return Err(refused(format!(
+                    "column `{name}` holds no text: expected clock times by ISO 8601, or a unit by \
+                     --time {name}:s, :ms, :us or :ns"
+                )));
+            }
+            let may_be_other = is_time && (time.is_some() || is_iso);
+            if let Some(found) = columns::no_number(&column).filter(|_| !may_be_other) {
+                return Err(refused(format!(
+                    "column `{name}` holds {found}: expected floats or integers"
+                )));
             }
         }
+        let filters = layout.columns.filters.iter();
+        let wanted = filters.map(|filter| {
+            let name = excerpt(&layout.header[filter.position]);
+            Wanted::new(&schema.column(filter.position), &filter.value)
+                .map(Arc::new)
+                .map_err(|message| format!("--where: column `{name}` {message}"))
+        });
+        let wanted = wanted.collect::<Result<_, _>>().map_err(refused)?;
+        let origin = Origin::new(layout.origin_ns);
         let layout = Arc::new(layout);
         let rows = Self {
-            file: Arc::new(file),
+            file,
             metadata,
             layout: Arc::clone(&layout),
             time,
-            origin: Arc::default(),
+            origin,
+            wanted,
             skip_bad_rows,
             rows_at_a_time,
             group: 0,
             rows_left: 0,
             readers: Vec::new(),
+            filters: Vec::new(),
+            other_source: Arc::default(),
             row: 0,
             digest: Some(thread::spawn(move || source.text()?.sha256())),
         };
@@ -149,8 +178,10 @@ impl ParquetRows {
             self.open_group().map_err(failed)?;
         }
         let rows = self.rows_left.min(self.rows_at_a_time);
-        for reader in &mut self.readers {
-            if reader.read(rows).map_err(failed)? != rows {
+        let readers = self.readers.iter_mut().map(|reader| reader.read(rows));
+        let filters = self.filters.iter_mut().map(|reader| reader.read(rows));
+        for read in readers.chain(filters) {
+            if read.map_err(failed)? != rows {
                 let message = "not a sound Parquet file: columns of different lengths";
                 return Err(LogError::file(&layout.path, message));
             }
@@ -162,21 +193,29 @@ impl ParquetRows {
     }
 
     fn open_group(&mut self) -> Result<(), ParquetError> {
-        let group = self.metadata.row_group(self.group);
-        let schema = self.metadata.file_metadata().schema_descr();
-        let rows = usize::try_from(group.num_rows())?;
-        self.readers = self
-            .layout
-            .slots
-            .iter()
-            .map(|slot| {
-                let column = schema.column(slot.position);
-                let pages = Pages::new(&self.file, group.column(slot.position), rows)?;
-                let reader = get_column_reader(Arc::clone(&column), Box::new(pages));
-                let time = self.time.filter(|_| slot.kind == Kind::Time);
-                Ok(Column::new(&column, reader, time, &self.origin))
+        let rows = usize::try_from(self.metadata.row_group(self.group).num_rows())?;
+        let open =
+            |position: usize| parquet_file::open(&self.file, &self.metadata, self.group, position);
+        let slots = self.layout.slots.iter().map(|slot| {
+            let (column, reader) = open(slot.position)?;
+            Ok(match slot.kind {
+                Kind::Time => columns::times(&column, reader, self.time, &self.origin),
+                Kind::Temp(_) | Kind::Axis(_) => columns::numbers(&column, reader),
             })
-            .collect::<Result<_, ParquetError>>()?;
+        });
+        let readers = slots.collect::<Result<_, ParquetError>>()?;
+        let filters = self.layout.columns.filters.iter().zip(&self.wanted);
+        let filters = filters.map(|(filter, wanted)| {
+            let (column, reader) = open(filter.position)?;
+            Ok(filters::matches(
+                &column,
+                reader,
+                wanted,
+                &self.other_source,
+            ))
+        });
+        self.filters = filters.collect::<Result<_, ParquetError>>()?;
+        self.readers = readers;
         self.rows_left = rows;
         self.group += 1;
         Ok(())
@@ -194,12 +233,15 @@ impl ParquetRows {
         let mut values = vec![0.0; self.readers.len()];
         for row in 0..rows {
             match self.row(row, &mut values) {
-                Ok(()) => {
+                Ok(false) => {}
+                Ok(true) => {
                     parsed.has_blanks |= values.iter().any(|value| value.is_nan());
                     self.layout.push(&mut parsed.chunk, &values);
                     parsed.numbers.push(self.row + 1 + row as u64);
                 }
-                Err(bad) if self.skip_bad_rows => parsed.skipped.count(bad.reason),
+                Err(bad) if self.skip_bad_rows && !bad.is_fatal => {
+                    parsed.skipped.count(bad.reason);
+                }
                 Err(bad) => {
                     parsed.bad = Some(*bad);
                     break;
@@ -209,7 +251,17 @@ impl ParquetRows {
         parsed
     }
 
-    fn row(&self, row: usize, values: &mut [f64]) -> Result<(), Box<Bad>> {
+    /// Checks a row; whether it is one that is wanted.
+    fn row(&self, row: usize, values: &mut [f64]) -> Result<bool, Box<Bad>> {
+        for (filter, reader) in self.layout.columns.filters.iter().zip(&self.filters) {
+            match reader.values[row] {
+                Some(true) => {}
+                Some(false) if filter.is_only => {
+                    return Err(Box::new(self.other_source(row, filter)));
+                }
+                _ => return Ok(false),
+            }
+        }
         let mut time_s = None;
         for ((slot, reader), value) in self.layout.slots.iter().zip(&self.readers).zip(values) {
             let objection = match reader.values[row] {
@@ -222,6 +274,10 @@ impl ParquetRows {
                     Reason::EmptyCell,
                     "null: expected a finite number".to_owned(),
                 )),
+                Some(_) if slot.kind == Kind::Time && self.is_bad_clock(row) => {
+                    let message = "expected a time by ISO 8601, such as 2023-03-04T09:00:00.5";
+                    Some((Reason::NotANumber, message.to_owned()))
+                }
                 Some(found) if !found.is_finite() => {
                     let message = format!("`{found}`: expected a finite number");
                     Some((Reason::NotANumber, message))
@@ -244,166 +300,27 @@ impl ParquetRows {
             }
             time_s.get_or_insert(*value);
         }
-        Ok(())
+        Ok(true)
     }
-}
 
-fn refused(path: &Path, cause: &ParquetError) -> LogError {
-    let message = match cause {
-        ParquetError::External(cause) if cause.is::<TooLarge>() => cause.to_string(),
-        ParquetError::NYI(what) => what.clone(),
-        _ => format!("not a sound Parquet file (was it cut off?): {cause}"),
-    };
-    LogError::file(path, message)
-}
-
-/// What a column holds, if that is not plain numbers.
-fn no_number(column: &ColumnDescriptor) -> Option<String> {
-    if column.path().parts().len() > 1 || column.max_rep_level() > 0 {
-        return Some("lists or structures".to_owned());
+    /// Whether the time of a row is text that is no time.
+    fn is_bad_clock(&self, row: usize) -> bool {
+        self.layout.columns.time_unit == TimeUnit::Iso
+            && self.readers[0].values[row].is_some_and(f64::is_nan)
     }
-    let logical = column.logical_type_ref();
-    match (column.physical_type(), logical, column.converted_type()) {
-        (PhysicalType::FLOAT | PhysicalType::DOUBLE, ..) => None,
-        (
-            PhysicalType::INT32 | PhysicalType::INT64,
-            None | Some(LogicalType::Integer { .. }),
-            ConvertedType::NONE
-            | ConvertedType::INT_8
-            | ConvertedType::INT_16
-            | ConvertedType::INT_32
-            | ConvertedType::INT_64
-            | ConvertedType::UINT_8
-            | ConvertedType::UINT_16
-            | ConvertedType::UINT_32
-            | ConvertedType::UINT_64,
-        ) => None,
-        (_, Some(logical), _) => Some(format!("values of the type {logical:?}")),
-        (physical, ..) => Some(format!("values of the type {physical}")),
-    }
-}
 
-/// A column of a group of rows.
-struct Column {
-    reader: Box<dyn ReadValues>,
-    /// The rows read last; `None` is a null.
-    values: Vec<Option<f64>>,
-}
-
-impl Column {
-    /// Values as they are; seconds of a `time`, since `origin` if it is a point in time.
-    fn new(
-        column: &ColumnDescriptor,
-        reader: ColumnReader,
-        time: Option<TimeType>,
-        origin: &Arc<OnceLock<i64>>,
-    ) -> Self {
-        let can_be_null = column.max_def_level() > 0;
-        let is_unsigned = matches!(
-            column.converted_type(),
-            ConvertedType::UINT_8
-                | ConvertedType::UINT_16
-                | ConvertedType::UINT_32
-                | ConvertedType::UINT_64
-        );
-        let origin = Arc::clone(origin);
-        let seconds = move |value: i64, time: TimeType| {
-            let since = match time.is_instant {
-                true => value.wrapping_sub(*origin.get_or_init(|| value)),
-                false => value,
-            };
-            since as f64 / time.per_second as f64
-        };
-        let reader: Box<dyn ReadValues> = match (reader, is_unsigned) {
-            (ColumnReader::Int64ColumnReader(r), _) if let Some(time) = time => {
-                typed(r, can_be_null, move |value| seconds(value, time))
-            }
-            (ColumnReader::Int32ColumnReader(r), _) if let Some(time) = time => {
-                typed(r, can_be_null, move |value| seconds(value.into(), time))
-            }
-            (ColumnReader::FloatColumnReader(r), _) => typed(r, can_be_null, f64::from),
-            (ColumnReader::DoubleColumnReader(r), _) => typed(r, can_be_null, |value| value),
-            (ColumnReader::Int32ColumnReader(r), false) => typed(r, can_be_null, f64::from),
-            (ColumnReader::Int32ColumnReader(r), true) => {
-                typed(r, can_be_null, |value| f64::from(value as u32))
-            }
-            (ColumnReader::Int64ColumnReader(r), false) => {
-                typed(r, can_be_null, |value| value as f64)
-            }
-            (ColumnReader::Int64ColumnReader(r), true) => {
-                typed(r, can_be_null, |value| value as u64 as f64)
-            }
-            _ => unreachable!("columns were checked to hold numbers"),
-        };
-        Self {
-            reader,
-            values: Vec::new(),
+    /// The refusal of a row of another source than the one that the log should have.
+    fn other_source(&self, row: usize, filter: &Filter) -> Bad {
+        let column = &self.layout.header[filter.position];
+        let other = self.other_source.get().map_or(&[][..], Vec::as_slice);
+        let number = self.row + 1 + row as u64;
+        let message = several_sources(column, &filter.value, other);
+        Bad {
+            number,
+            time_s: None,
+            reason: Reason::OutOfRange,
+            error: LogError::file(&self.layout.path, format!("row {number}: {message}")),
+            is_fatal: true,
         }
-    }
-
-    /// Reads the next rows; returns how many there were.
-    fn read(&mut self, rows: usize) -> Result<usize, ParquetError> {
-        self.values.clear();
-        while self.values.len() < rows {
-            let wanted = rows - self.values.len();
-            if self.reader.read(wanted, &mut self.values)? == 0 {
-                break;
-            }
-        }
-        Ok(self.values.len())
-    }
-}
-
-/// Reads values of any type as doubles.
-trait ReadValues: Send {
-    /// Appends at most `rows` rows; returns how many.
-    fn read(&mut self, rows: usize, values: &mut Vec<Option<f64>>) -> Result<usize, ParquetError>;
-}
-
-struct Typed<T: DataType> {
-    reader: ColumnReaderImpl<T>,
-    can_be_null: bool,
-    to_f64: Box<dyn Fn(T::T) -> f64 + Send>,
-    levels: Vec<i16>,
-    present: Vec<T::T>,
-}
-
-fn typed<T: DataType>(
-    reader: ColumnReaderImpl<T>,
-    can_be_null: bool,
-    to_f64: impl Fn(T::T) -> f64 + Send + 'static,
-) -> Box<dyn ReadValues>
-where
-    Typed<T>: ReadValues + 'static,
-{
-    Box::new(Typed {
-        reader,
-        can_be_null,
-        to_f64: Box::new(to_f64),
-        levels: Vec::new(),
-        present: Vec::new(),
-    })
-}
-
-impl<T: DataType> ReadValues for Typed<T>
-where
-    T::T: Copy,
-    ColumnReaderImpl<T>: Send,
-{
-    fn read(&mut self, rows: usize, values: &mut Vec<Option<f64>>) -> Result<usize, ParquetError> {
-        self.levels.clear();
-        self.present.clear();
-        let levels = self.can_be_null.then_some(&mut self.levels);
-        let (read, ..) = self
-            .reader
-            .read_records(rows, levels, None, &mut self.present)?;
-        let mut present = self.present.iter().map(|&value| (self.to_f64)(value));
-        if self.can_be_null {
-            let levels = self.levels.iter();
-            values.extend(levels.map(|&level| if level == 0 { None } else { present.next() }));
-        } else {
-            values.extend(present.map(Some));
-        }
-        Ok(read)
     }
 }
