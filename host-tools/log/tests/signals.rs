@@ -389,3 +389,25 @@ fn an_axis_of_whole_pulses_that_freezes_in_a_ramp_is_found() {
         }
     }
 }
+
+/// Noise of half a step says by itself that an axis is frozen, even in a soak.
+#[test]
+fn a_coarse_axis_with_noise_that_freezes_in_a_soak_is_found() {
+    for in_steps in [0.45, 0.6, 1.0] {
+        let world = World {
+            noise: 0.2 * in_steps,
+            step: 0.2,
+            ..FINE
+        };
+        for axis in 0..3 {
+            let mut log = world.log(11);
+            let [from, to] = [0.42, 0.58].map(|share| (share * world.rows as f64) as usize);
+            let value = log.axes[axis][from];
+            log.axes[axis][from..to].fill(value);
+            let found = find(&log, 1000);
+            let column = ["x", "y", "z"][axis];
+            let is_it = |of: &Finding| of.fault == Fault::IdenticalValues && of.column == column;
+            assert!(found.iter().any(is_it), "{in_steps} {axis} {found:?}");
+        }
+    }
+}

@@ -15,7 +15,7 @@ const LOOKED_AT: usize = 8;
 const LENGTHS: usize = 48;
 
 /// Share of the changes that are wider than one step, from which the column has noise of its own:
-/// normal noise of half a step or more.
+/// normal noise of four tenths of a step or more.
 const NOISY: f64 = 0.05;
 
 /// Chance makes runs of a length in one of `exp(12)` logs; longer than twice this is no chance.
@@ -288,4 +288,33 @@ fn changes<V: Copy + PartialEq + Into<f64>>(block: &[V], before: f64) -> u64 {
 fn are_all_different<V: Copy + PartialEq>(values: &[V]) -> bool {
     let pairs = values.iter().zip(&values[1..]);
     pairs.map(|(a, b)| usize::from(a == b)).sum::<usize>() == 0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::signals::made::Noise;
+
+    fn is_noisy(in_steps: f64, seed: u64) -> bool {
+        let mut noise = Noise::new(seed);
+        let value = |row: u32| (0.002 * f64::from(row) + in_steps * noise.next()).round();
+        let values: Vec<f64> = (0..20_000).map(value).collect();
+        let time_s: Vec<f64> = (0..20_000).map(f64::from).collect();
+        let mut runs = Runs::new();
+        runs.take(&time_s, &vec![20.0; values.len()], &values);
+        runs.finish();
+        runs.is_noisy()
+    }
+
+    #[test]
+    fn noise_from_four_tenths_of_a_step_is_seen() {
+        for seed in 1..=20 {
+            for in_steps in [0.4, 0.5, 1.0, 4.0] {
+                assert!(is_noisy(in_steps, seed), "{in_steps}");
+            }
+            for in_steps in [0.0, 0.1, 0.2, 0.3] {
+                assert!(!is_noisy(in_steps, seed), "{in_steps}");
+            }
+        }
+    }
 }
