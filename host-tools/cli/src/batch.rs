@@ -79,7 +79,7 @@ fn fit_unit(
 ) -> Result<UnitResult> {
     ensure!(
         !unit.logs.is_empty(),
-        "no log in its folder: expected .csv, .csv.gz, .csv.zst or .parquet"
+        "no log in its folder: expected .csv, .csv.gz, .csv.zst, .parquet, .ulg or .bin"
     );
     // A pipe that nobody writes to would block without end.
     let other = unit

@@ -1,27 +1,33 @@
 //! `tempco fit`: logs in, coefficient set out.
 
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 
-use anyhow::Result;
+use anyhow::{Result, bail, ensure};
 use serde_json::json;
 use tempco::ThermalSettings;
+use tempco_fit::summary::LogSummary;
 use tempco_fit::{FitOptions, fit_summaries};
+use tempco_log::ReadOptions;
 use tempco_set::{CoefficientSet, Stretch, file_names};
 
 use crate::Exit;
 use crate::answer::{Answer, channel_notes};
 use crate::batch;
 use crate::method_args::MethodArgs;
-use crate::output::{figure, percent, print, print_lines, table};
+use crate::output::{figure, percent, print, print_lines, say, table};
 use crate::report::{ensure_rereadable, write_figures};
 use crate::set_files::{report_on, write};
 use crate::set_tables::{show_choice, show_states};
-use crate::shared_args::{LogArgs, PrintArgs, averaging_time};
+use crate::shared_args::{LogArgs, PrintArgs, Summaries, averaging_time};
 
 /// Fit a coefficient set to the chamber logs of a unit
 ///
 /// Writes five files into DIR, all or none: coefficients.json (the set), report.html, and the table
 /// for firmware as table.bin (flash image), table.rs and table.h.
+///
+/// A log of PX4 or ArduPilot may hold several sensors. Each then gets a set of its own: DIR/imu0 with
+/// the serial number SN-0, and so on. --instance fits one of them.
 ///
 /// With --batch, fits every unit of a folder. Each gets its own folder DIR/SERIAL. DIR/summary.html
 /// and DIR/summary.csv compare the units. A unit that fails is listed there with its error; the
@@ -29,14 +35,15 @@ use crate::shared_args::{LogArgs, PrintArgs, averaging_time};
 #[derive(clap::Args)]
 #[command(after_help = "Example: tempco fit chamber.csv --serial RLG-7 --out RLG-7")]
 pub(crate) struct Args {
-    /// Chamber logs of the unit: CSV (plain, gzip or zstd) or Parquet
+    /// Chamber logs of the unit: CSV (plain, gzip or zstd), Parquet, ULog of PX4 (.ulg) or DataFlash of
+    /// ArduPilot (.bin)
     #[arg(required_unless_present = "batch", value_name = "LOG.csv")]
     logs: Vec<PathBuf>,
     /// Serial number of the unit
     #[arg(long, required_unless_present = "batch")]
     serial: Option<String>,
     /// Fit all units of this folder. It holds a folder per serial number with the logs of the unit,
-    /// or logs named SERIAL.csv or SERIAL_*.csv (also .csv.gz, .csv.zst, .parquet)
+    /// or logs named SERIAL.csv or SERIAL_*.csv (also .csv.gz, .csv.zst, .parquet, .ulg, .bin)
     #[arg(
         long,
         value_name = "FOLDER",
@@ -95,18 +102,92 @@ pub(crate) fn run(args: &Args) -> Result<Exit> {
     if !args.no_report {
         ensure_rereadable(&args.logs)?;
     }
-    let logs = args.reading.summarise_all(&args.logs, &options.plan()?)?;
-    let fit = fit_summaries(&logs, &options)?;
-    let (set, judgement) = (&fit.set, fit.judge());
+    match LogArgs::summarise_all(&args.logs, &reading, &options.plan()?)? {
+        Summaries::Of(logs) => {
+            let place = Place {
+                out: args.out.clone(),
+                figures: args.figures.clone(),
+            };
+            write_set(args, &place, &reading, &options, &logs)
+        }
+        Summaries::OfInstances(instances) => fit_each(args, &reading, &options, &instances),
+    }
+}
+
+/// Fits a set to each source in the logs, in a folder of its own; the exit code is the worst.
+///
+/// # Errors
+/// That sets could not be made, after all of them were tried.
+fn fit_each(
+    args: &Args,
+    reading: &ReadOptions,
+    options: &FitOptions,
+    instances: &BTreeSet<u32>,
+) -> Result<Exit> {
+    ensure_rereadable(&args.logs)?;
+    let (mut exit, mut failed) = (Exit::Acceptable, Vec::new());
+    for (number, instance) in instances.iter().enumerate() {
+        if number > 0 && !args.print.json {
+            print("")?;
+        }
+        let name = format!("imu{instance}");
+        let mut reading = reading.clone();
+        reading.mapping.instance = Some(*instance);
+        let options = FitOptions {
+            serial: format!("{}-{instance}", options.serial),
+            ..options.clone()
+        };
+        let place = Place {
+            out: args.out.join(&name),
+            figures: args.figures.as_ref().map(|folder| folder.join(&name)),
+        };
+        let fitted = LogArgs::summarise_all(&args.logs, &reading, &options.plan()?);
+        let fitted = fitted.and_then(|logs| match logs {
+            Summaries::Of(logs) => write_set(args, &place, &reading, &options, &logs),
+            Summaries::OfInstances(_) => bail!("the logs were changed while they were read"),
+        });
+        match fitted {
+            Ok(Exit::Acceptable) => {}
+            Ok(Exit::NotAcceptable) => exit = Exit::NotAcceptable,
+            Err(error) => {
+                say!("{name}: {error:#}");
+                failed.push(name);
+            }
+        }
+    }
+    ensure!(
+        failed.is_empty(),
+        "no set was made of {}",
+        failed.join(", ")
+    );
+    Ok(exit)
+}
+
+/// Where a set is written.
+struct Place {
+    out: PathBuf,
+    figures: Option<PathBuf>,
+}
+
+/// Fits a set to logs, writes it and says how it does.
+fn write_set(
+    args: &Args,
+    place: &Place,
+    reading: &ReadOptions,
+    options: &FitOptions,
+    logs: &[LogSummary],
+) -> Result<Exit> {
+    let fit = fit_summaries(logs, options)?;
+    let (set, judgement, out) = (&fit.set, fit.judge(), &place.out);
     let report = if args.no_report {
         None
     } else {
-        Some(report_on(set, &judgement, &args.logs, &reading, args.tau)?)
+        Some(report_on(set, &judgement, &args.logs, reading, args.tau)?)
     };
-    if let (Some(report), Some(folder)) = (&report, &args.figures) {
+    if let (Some(report), Some(folder)) = (&report, &place.figures) {
         write_figures(report, folder)?;
     }
-    write(&args.out, set, report.as_ref())?;
+    write(out, set, report.as_ref())?;
 
     let names: Vec<&str> = file_names(!args.no_report).collect();
     let answer = Answer {
@@ -115,19 +196,15 @@ pub(crate) fn run(args: &Args) -> Result<Exit> {
         evaluation: None,
         is_against: false,
         notes: set.channels.iter().flat_map(channel_notes).collect(),
-        written: vec![format!(
-            "wrote {}: {}",
-            args.out.display(),
-            names.join(", ")
-        )],
+        written: vec![format!("wrote {}: {}", out.display(), names.join(", "))],
     };
     let json = || {
         let files = names
             .iter()
-            .map(|name| args.out.join(name).display().to_string());
+            .map(|name| out.join(name).display().to_string());
         json!({"set": set, "files": files.collect::<Vec<_>>()})
     };
-    answer.print(&args.print, &args.out, json, || show(set))?;
+    answer.print(&args.print, out, json, || show(set))?;
     Ok(Exit::of(judgement.is_accepted()))
 }
 

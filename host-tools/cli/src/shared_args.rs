@@ -1,5 +1,6 @@
 //! Arguments that several commands share: a set and a log, and how to read a log.
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
@@ -8,7 +9,8 @@ use anyhow::{Context, Error, Result, bail};
 use tempco_evaluate::TAU_RANGE_S;
 use tempco_fit::summary::{LogSummary, Plan, summarise_file};
 use tempco_log::{
-    Log, Mapping, ReadOptions, Reading, SkippedRows, list_names, parallel, read_log_observed,
+    Log, LogError, Mapping, ReadOptions, Reading, SkippedRows, list_names, parallel,
+    read_log_observed,
 };
 use tempco_set::{CoefficientSet, SCALE_FACTORS_ARCSEC, check_folder, load_set, set_of_image};
 
@@ -23,7 +25,7 @@ pub(crate) struct SetAndLog {
     /// axes: it takes the axes of the log in their order
     #[arg(value_name = "SET")]
     pub(crate) set: PathBuf,
-    /// Log of the unit: CSV (plain, gzip or zstd) or Parquet
+    /// Log of the unit: CSV (plain, gzip or zstd), Parquet, ULog (.ulg) or DataFlash (.bin)
     #[arg(value_name = "LOG.csv")]
     pub(crate) log: PathBuf,
     #[command(flatten)]
@@ -109,11 +111,15 @@ pub(crate) struct LogArgs {
     /// Read only the rows that have this in a column. May be repeated
     #[arg(long = "where", value_name = "COL=VALUE")]
     filter: Vec<String>,
+    /// Read only this instance of the sensor, of a log of PX4 or ArduPilot. Without, fit makes a set
+    /// of each; others read the one that the set was fitted to
+    #[arg(long, value_name = "N")]
+    instance: Option<u32>,
     /// Log with the temperatures, joined by time. The last one is held, for 10 s at most
     #[arg(long, value_name = "FILE")]
     join: Option<PathBuf>,
     /// TOML file with these options: time = "...", temp = ["..."], axis = ["..."], where = ["..."],
-    /// join = "..."
+    /// instance = 0, join = "..."
     #[arg(long, value_name = "FILE.toml")]
     map: Option<PathBuf>,
     /// Angle per pulse, in arcsec. Turns pulse counts into deg/h
@@ -153,19 +159,37 @@ impl LogArgs {
     }
 
     /// Summarises several logs at once.
-    pub(crate) fn summarise_all(&self, paths: &[PathBuf], plan: &Plan) -> Result<Vec<LogSummary>> {
+    ///
+    /// # Errors
+    /// Those of the logs. Logs with several sources are no error: their numbers are returned.
+    pub(crate) fn summarise_all(
+        paths: &[PathBuf],
+        options: &ReadOptions,
+        plan: &Plan,
+    ) -> Result<Summaries> {
         let progress = Progress::over(paths);
-        let options = self.options(None)?;
         let logs = parallel::map(paths, |path| {
-            summarise_file(path, &options, plan, |bytes| progress.add(bytes))
+            summarise_file(path, options, plan, |bytes| progress.add(bytes))
         });
         drop(progress);
+        let mut instances = BTreeSet::new();
+        for log in &logs {
+            if let Err(LogError::Sources {
+                instances: of_log, ..
+            }) = log
+            {
+                instances.extend(of_log);
+            }
+        }
+        if !instances.is_empty() {
+            return Ok(Summaries::OfInstances(instances));
+        }
         let logs = logs.into_iter().collect::<Result<Vec<_>, _>>()?;
         for log in &logs {
             let (reading, ignored) = (log.reading(), log.ignored_columns());
             say_reading(log.file(), reading, ignored, log.skipped_rows());
         }
-        Ok(logs)
+        Ok(Summaries::Of(logs))
     }
 
     /// How to read; what is not given is as kept in the set.
@@ -178,6 +202,7 @@ impl LogArgs {
             temp: self.temp.clone(),
             axis: self.axis.clone(),
             filter: self.filter.clone(),
+            instance: self.instance,
             join: self.join.as_ref().map(|path| path.display().to_string()),
         };
         let mapping = match &self.map {
@@ -194,6 +219,13 @@ impl LogArgs {
             skip_bad_rows: self.skip_bad_rows,
         })
     }
+}
+
+/// What logs were summarised to.
+pub(crate) enum Summaries {
+    Of(Vec<LogSummary>),
+    /// Nothing yet: the rows of these sources are in the logs.
+    OfInstances(BTreeSet<u32>),
 }
 
 fn mapping_file(path: &Path) -> Result<Mapping> {

@@ -6,7 +6,7 @@ use super::axis_columns::{AxisColumn, find_axes};
 use super::channel_columns::{ChannelColumns, assign, texts_of};
 use super::doubt::{Doubt, DoubtKind};
 use super::excerpt::excerpt;
-use super::filter_columns::find_filters;
+use super::filter_columns::{NO_INSTANCES, find_filters};
 use super::known::{Signs, recognise};
 use super::mapping::{self, Filter, Mapping};
 use super::reading::Reading;
@@ -21,6 +21,12 @@ pub(crate) struct Columns {
     pub(crate) time_unit: TimeUnit,
     pub(crate) channels: Vec<ChannelColumns>,
     pub(crate) filters: Vec<Filter>,
+    /// The source that was chosen, of a layout with several.
+    pub(crate) instance: Option<u32>,
+    /// The column that numbers the sources.
+    pub(crate) source_position: Option<usize>,
+    /// The sources of which none was chosen, and what to do.
+    pub(crate) several: Option<(Vec<u32>, String)>,
     pub(crate) ignored: Vec<String>,
     pub(crate) reading: Reading,
 }
@@ -76,7 +82,17 @@ impl Columns {
             (Err(of_temps), Err(of_axes)) => return Err(format!("{of_axes}; and {of_temps}")),
             (Err(error), _) | (_, Err(error)) => return Err(error),
         };
-        let filters = find_filters(signs, &mapping.filter, known.as_ref())?;
+        let source_position = known.as_ref().and_then(|known| known.source);
+        let source_position = source_position.and_then(|name| mapping::position(header, name).ok());
+        let instance = match mapping.instance {
+            // A kept number counts where sources have numbers.
+            Some(_) if source_position.is_none() && !signs.has_instances => match given.instance {
+                Some(_) => return Err(NO_INSTANCES.to_owned()),
+                None => None,
+            },
+            instance => instance,
+        };
+        let (filters, several) = find_filters(signs, &mapping.filter, source_position, instance)?;
 
         let (axes, axis_texts): (Vec<AxisColumn>, Vec<Option<String>>) = axes.into_iter().unzip();
         let used: HashSet<usize> = std::iter::once(time.0)
@@ -86,6 +102,7 @@ impl Columns {
             }))
             .chain(axes.iter().map(|axis| axis.position))
             .chain(filters.iter().map(|filter| filter.position))
+            .chain(source_position)
             .collect();
         let ignored = header.iter().enumerate();
         let ignored =
@@ -102,6 +119,7 @@ impl Columns {
             temp: temp_texts,
             axis: axis_texts.into_iter().flatten().collect(),
             filter: mapping.filter,
+            instance,
             join,
         };
         Ok(Self {
@@ -109,6 +127,9 @@ impl Columns {
             time_unit: time.1,
             channels: assign(temps, axes)?,
             filters,
+            instance,
+            source_position,
+            several,
             ignored,
             reading: Reading {
                 layout: known.as_ref().map(|known| known.name.to_owned()),
@@ -140,6 +161,9 @@ impl Columns {
             time_unit,
             channels: channels.collect(),
             filters: Vec::new(),
+            instance: None,
+            source_position: None,
+            several: None,
             ignored: Vec::new(),
             reading: Reading::default(),
         })

@@ -16,6 +16,7 @@ fn find_with(header: &str, mapping: &Mapping) -> Result<Columns, String> {
         file: "log.csv",
         preamble: &[],
         sample: &[],
+        has_instances: false,
     };
     Columns::find(&signs, mapping, &[], None)
 }

@@ -24,6 +24,18 @@ pub enum LogError {
         /// What was found and what was expected.
         message: String,
     },
+    /// The rows of several sources are in the log, and none of them was chosen.
+    #[error("{}{}: {message}", path.display(), line.map(|line| format!(":{line}")).unwrap_or_default())]
+    Sources {
+        /// The file.
+        path: PathBuf,
+        /// Line number in a text.
+        line: Option<u64>,
+        /// Their numbers.
+        instances: Vec<u32>,
+        /// What was found and what was expected.
+        message: String,
+    },
     /// A line is unusable.
     #[error("{}:{line}: {message}", path.display())]
     Line {
@@ -78,6 +90,20 @@ impl LogError {
             path,
             format!("{found} usable rows after the header: expected at least 2"),
         )
+    }
+
+    pub(crate) fn sources(
+        path: &Path,
+        line: Option<u64>,
+        instances: Vec<u32>,
+        message: String,
+    ) -> Self {
+        Self::Sources {
+            path: path.to_owned(),
+            line,
+            instances,
+            message,
+        }
     }
 
     pub(crate) fn line(path: &Path, line: u64, message: impl Into<String>) -> Self {

@@ -23,6 +23,8 @@ pub(crate) struct Signs<'a> {
     pub(crate) preamble: &'a [Vec<u8>],
     /// Cells of the first rows.
     pub(crate) sample: &'a [Vec<Vec<u8>>],
+    /// Whether the rows of each source stand apart, in a binary log.
+    pub(crate) has_instances: bool,
 }
 
 impl Signs<'_> {
@@ -171,7 +173,7 @@ fn flysight(signs: &Signs) -> Result<Option<Known>, String> {
         temp: with_unit("temperature").into_iter().collect(),
         axis: vec![format!("gx={x}"), format!("gy={y}"), format!("gz={z}")],
         filter: vec![format!("{FLYSIGHT_ROW}={FLYSIGHT_ROW}")],
-        join: None,
+        ..Mapping::default()
     };
     Ok(Some(Known {
         name: "FlySight 2",

@@ -71,6 +71,8 @@ pub(super) struct Found<'a> {
     pub(super) preamble: &'a [Vec<u8>],
     pub(super) sample: &'a [Vec<Vec<u8>>],
     pub(super) row_kind: RowKind,
+    /// The topic of a binary log that the rows are of.
+    pub(super) topic: Option<&'a str>,
 }
 
 impl Layout {
@@ -79,13 +81,13 @@ impl Layout {
     /// # Errors
     /// A header that does not name time, temperature and axes with their units.
     pub(super) fn new(header: Vec<String>, found: &Found, finder: &Finder) -> Result<Self, String> {
+        let file = finder.path.file_name().unwrap_or_default();
+        let file = file.to_string_lossy();
         let signs = Signs {
             header: &header,
-            file: &finder
-                .path
-                .file_name()
-                .unwrap_or_default()
-                .to_string_lossy(),
+            // A topic is what names of files say where they are written from a binary log.
+            file: found.topic.unwrap_or(&file),
+            has_instances: found.topic.is_some(),
             preamble: found.preamble,
             sample: found.sample,
         };

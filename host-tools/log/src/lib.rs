@@ -10,6 +10,7 @@
 //! | `encoding`, `head`, `dialect` | text: its encoding, separator and header |
 //! | `source`, `blocks`, `records`, `decimal`, `rows`, `pipeline` | text: unpacked, cut into blocks, parsed on all cores |
 //! | `parquet`, `parquet_file`, `parquet_columns`, `parquet_filters`, `time_types`, `pages` | tables of Parquet, columns of times, pages of bounded size |
+//! | `binary` | logs of autopilots: ULog of PX4, DataFlash of ArduPilot |
 //! | `names`, `known`, `mapping`, `time` | what names say; known loggers; columns that a user names |
 //! | `time_column`, `temp_columns`, `axis_columns`, `channel_columns`, `filter_columns`, `columns`, [`AxisUnit`] | which column is what, in which unit |
 //! | `slot`, `layout`, `text_layout`, `decimal_comma` | what the cells of a column must hold |
@@ -22,6 +23,7 @@
 #![forbid(unsafe_code)]
 
 mod axis_columns;
+mod binary;
 mod blocks;
 mod bursts;
 mod channel_columns;

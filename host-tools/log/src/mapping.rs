@@ -28,6 +28,9 @@ pub struct Mapping {
     /// Only rows with these cells are read: `COL=VALUE`.
     #[serde(rename = "where", skip_serializing_if = "Vec::is_empty")]
     pub filter: Vec<String>,
+    /// Of a known logger with several sources, only the rows of this one are read.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub instance: Option<u32>,
     /// A log with the temperatures, by time.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub join: Option<String>,
@@ -50,6 +53,7 @@ impl Mapping {
             temp: or(&self.temp, &other.temp),
             axis: or(&self.axis, &other.axis),
             filter: or(&self.filter, &other.filter),
+            instance: self.instance.or(other.instance),
             join: self.join.clone().or_else(|| other.join.clone()),
         }
     }
@@ -67,11 +71,13 @@ impl Mapping {
                 )
                 .collect::<Vec<_>>()
         };
+        let instance = self.instance.map(|instance| instance.to_string());
         let options = [
             each("--time", self.time.as_slice()),
             each("--temp", &self.temp),
             each("--axis", &self.axis),
             each("--where", &self.filter),
+            each("--instance", instance.as_slice()),
             each("--join", self.join.as_slice()),
         ];
         options.concat().join(" ")

@@ -84,6 +84,7 @@ impl ParquetRows {
             preamble: &[],
             sample: &sample,
             row_kind: RowKind::Row,
+            topic: None,
         };
         let mut timed = types.iter().zip(&header).filter(|(time, _)| time.is_some());
         let mapping = match (&finder.mapping.time, timed.next(), timed.next()) {
@@ -98,6 +99,9 @@ impl ParquetRows {
             ..finder.clone()
         };
         let mut layout = Layout::new(header, &found, &finder).map_err(refused)?;
+        if let Some((instances, message)) = layout.columns.several.take() {
+            return Err(LogError::sources(path, None, instances, message));
+        }
         let time = types[layout.columns.time];
         if time.is_some() {
             layout.columns.time_unit = TimeUnit::S;

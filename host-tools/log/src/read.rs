@@ -236,6 +236,7 @@ mod tests {
             not_a_number: 2,
             out_of_range: 1,
             time_order: 2,
+            damaged: 0,
         };
         assert_eq!((log.rows(), log.skipped_rows), (3, skipped));
         assert_eq!((skipped.total(), skipped.share(3)), (7, 0.7));

@@ -30,6 +30,9 @@ pub struct SkippedRows {
     /// With a time that is not after the time of the row before.
     #[serde(skip_serializing_if = "is_zero")]
     pub time_order: usize,
+    /// Damaged parts of a binary log; how many rows were in them is not known.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub damaged: usize,
 }
 
 const fn is_zero(rows: &usize) -> bool {
@@ -64,15 +67,17 @@ impl SkippedRows {
         self.not_a_number += other.not_a_number;
         self.out_of_range += other.out_of_range;
         self.time_order += other.time_order;
+        self.damaged += other.damaged;
     }
 
-    const fn by_reason(&self) -> [(&'static str, usize); 5] {
+    const fn by_reason(&self) -> [(&'static str, usize); 6] {
         [
             ("wrong number of cells", self.cell_count),
             ("empty cell", self.empty_cell),
             ("not a number", self.not_a_number),
             ("out of range", self.out_of_range),
             ("time does not increase", self.time_order),
+            ("damaged part", self.damaged),
         ]
     }
 }

@@ -21,6 +21,10 @@ pub(super) enum Format {
     Gzip,
     Zstd,
     Parquet,
+    /// Of PX4.
+    Ulog,
+    /// Of ArduPilot.
+    DataFlash,
 }
 
 impl Format {
@@ -30,6 +34,8 @@ impl Format {
             // A zstd frame, or one of the frames to be skipped that may stand before it.
             [0x28, 0xb5, 0x2f, 0xfd] | [0x50..=0x5f, 0x2a, 0x4d, 0x18] => Self::Zstd,
             b"PAR1" => Self::Parquet,
+            b"ULog" => Self::Ulog,
+            [0xa3, 0x95, ..] => Self::DataFlash,
             _ => Self::Text,
         }
     }
@@ -37,7 +43,9 @@ impl Format {
     /// The error of a stream of this format, said so that the user knows what to do.
     pub(super) fn error(self, path: &Path, cause: io::Error) -> LogError {
         let name = match self {
-            Self::Text | Self::Parquet => return LogError::io(path)(cause),
+            Self::Text | Self::Parquet | Self::Ulog | Self::DataFlash => {
+                return LogError::io(path)(cause);
+            }
             Self::Gzip => "gzip",
             Self::Zstd => "zstd",
         };
@@ -109,7 +117,7 @@ impl Source {
                 let decoder = zstd::Decoder::with_buffer(buffered(self.content))?;
                 Text::Zstd(Box::new(decoder))
             }
-            Format::Text | Format::Parquet => Text::Plain(Box::new(self.content)),
+            _ => Text::Plain(Box::new(self.content)),
         })
     }
 }

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use super::binary::BinaryRows;
 use super::channel_columns::ChannelColumns;
 use super::chunk::Chunk;
 use super::doubt::Doubt;
@@ -41,11 +42,12 @@ pub struct LogStream {
 enum Rows {
     Text(Pipeline),
     Parquet(Box<ParquetRows>),
+    Binary(Box<BinaryRows>),
 }
 
 impl LogStream {
-    /// Opens a log and reads its header. The format is told by the first bytes: Parquet, gzip and
-    /// zstd have their marks, everything else is CSV.
+    /// Opens a log and reads its header. The format is told by the first bytes: Parquet, ULog,
+    /// DataFlash, gzip and zstd have their marks, everything else is CSV.
     ///
     /// # Errors
     /// An unreadable or empty file, a header that does not name time, temperature and axes with
@@ -105,12 +107,19 @@ impl LogStream {
         let source = Source::open(finder.path).map_err(LogError::io(finder.path))?;
         let (bytes, bytes_read) = (source.bytes, Arc::clone(&source.bytes_read));
         let skip = options.skip_bad_rows;
-        let (rows, layout) = if source.format == Format::Parquet {
-            let (rows, layout) = ParquetRows::open(source, finder, skip, table_rows)?;
-            (Rows::Parquet(Box::new(rows)), layout)
-        } else {
-            let (rows, layout) = Pipeline::start(source, finder, skip, block_bytes)?;
-            (Rows::Text(rows), layout)
+        let (rows, layout) = match source.format {
+            Format::Parquet => {
+                let (rows, layout) = ParquetRows::open(source, finder, skip, table_rows)?;
+                (Rows::Parquet(Box::new(rows)), layout)
+            }
+            Format::Ulog | Format::DataFlash => {
+                let (rows, layout) = BinaryRows::open(source, finder, skip, table_rows)?;
+                (Rows::Binary(Box::new(rows)), layout)
+            }
+            Format::Text | Format::Gzip | Format::Zstd => {
+                let (rows, layout) = Pipeline::start(source, finder, skip, block_bytes)?;
+                (Rows::Text(rows), layout)
+            }
         };
         Ok(Self {
             rows,
@@ -131,6 +140,7 @@ impl LogStream {
             let next = match &mut self.rows {
                 Rows::Text(rows) => rows.next()?,
                 Rows::Parquet(rows) => rows.next()?,
+                Rows::Binary(rows) => rows.next(),
             };
             let rows = match next {
                 Ok(parsed) => self.order.take(&self.layout, parsed)?,

@@ -29,8 +29,12 @@ impl Layout {
             preamble: &header.preamble,
             sample: &header.sample,
             row_kind: RowKind::Line,
+            topic: None,
         };
         let mut layout = Self::new(names, &found, finder).map_err(refused)?;
+        if let Some((instances, message)) = layout.columns.several.take() {
+            return Err(LogError::sources(path, Some(line), instances, message));
+        }
         if encoding != Encoding::Utf8 {
             notes.push("UTF-16".to_owned());
         } else if header
