@@ -8,8 +8,10 @@
 //! | `table` | the rows of one topic, by source |
 //!
 //! The rows of the one topic are kept as they stand in the file, and made numbers some at a time.
-//! The crates for these formats do not say where a file is damaged: `px4-ulog` panics on short
-//! records, `ardupilot-binlog` goes on behind a damaged part in silence. They check ours in tests.
+//!
+//! Why no crate reads them: a damaged file must be refused with the place. `px4-ulog` says no places,
+//! and panics on short records. `ardupilot-binlog` goes on behind a damaged part in silence, or stops
+//! there. Both read whole files in the tests, to compare.
 
 mod dataflash;
 mod rows;

@@ -89,7 +89,7 @@ impl BinaryRows {
                     format!("damaged at byte {offset}: the {lost} bytes from there on are not read")
                 }
                 _ => format!(
-                    "{parts} damaged parts, {lost} bytes, left out, the first at byte {offset}"
+                    "damaged parts left out: {parts}, of {lost} bytes, the first at byte {offset}"
                 ),
             });
         }

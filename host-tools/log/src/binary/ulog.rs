@@ -171,7 +171,10 @@ impl Reader {
                     .iter()
                     .all(|byte| byte.is_ascii_graphic() || *byte == b' ')
         });
-        let has_level = !matches!(kind, b'L' | b'C') || (b'0'..=b'7').contains(&content[0]);
+        let has_level = !matches!(kind, b'L' | b'C')
+            || content
+                .first()
+                .is_some_and(|level| (b'0'..=b'7').contains(level));
         if !sizes.contains(&content.len()) || !has_key || !has_level {
             return Err(format!(
                 "a spoilt record of the type `{}`",
