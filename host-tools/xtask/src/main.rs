@@ -36,7 +36,7 @@ enum Task {
     Golden(golden::Args),
     /// The paper's tables on a simulated unit, next to the printed ones
     Paper(paper::Args),
-    /// Coverage, mutants, Miri and Windows, as far as their tools can be had: slow, not part of `test`
+    /// Coverage, mutants, Miri, Windows and logs, as far as their tools can be had: slow, not part of `test`
     Verify(verify::Args),
     /// Executed instructions on the target, rows per second on the host
     Bench(bench::Args),

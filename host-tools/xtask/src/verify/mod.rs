@@ -1,8 +1,10 @@
-//! How thorough the tests of the core are, what Miri says about them, and the command on Windows.
+//! How thorough the tests of the core are, what Miri says about them, the command on Windows, and
+//! logs of autopilots as others read them.
 //!
 //! Slow, and in need of tools that are not to be had everywhere: no part of the continuous checks.
 
 mod coverage;
+mod logs;
 mod miri;
 mod mutants;
 mod places;
@@ -40,6 +42,8 @@ enum Gate {
     Miri,
     /// The command for Windows does the main job under wine, with the same tables as here
     Windows,
+    /// Logs of PX4 and ArduPilot are read as by pyulog and pymavlink
+    Logs,
 }
 
 impl Gate {
@@ -50,6 +54,7 @@ impl Gate {
             Self::Mutants => mutants::caught(workspace),
             Self::Miri => miri::both_endians(workspace),
             Self::Windows => windows::under_wine(workspace),
+            Self::Logs => logs::as_others_read_them(workspace),
         }
     }
 
