@@ -2,6 +2,7 @@
 //! project.
 #![forbid(unsafe_code)]
 
+pub mod autopilot;
 pub mod browser;
 pub mod history;
 pub mod ln100;

@@ -111,8 +111,8 @@ const CASES: &[(&str, &str, Right)] = &[
     ("px4_csv/log_sensor_gyro_0.csv", "", Fits(ANY, &[])),
     (
         "ardupilot_csv/log.csv",
-        "",
-        Refused(&["`I` has several sources", "--where I=0"]),
+        "--instance 0",
+        Fits(ANY, &["own_correction"]),
     ),
     (
         "ardupilot_csv/log.csv",

@@ -55,7 +55,7 @@ fn logs() -> Vec<(&'static str, &'static str, String)> {
         ),
         (
             "ardupilot.csv",
-            "--where I=0",
+            "--instance 0",
             log("TimeUS,I,GyrX,GyrY,GyrZ,T", |t, c, [x, y, z]| {
                 let (us, x, y, z) = (us(t), rad(x), rad(y), rad(z));
                 format!("{us},0,{x:.7},{y:.7},{z:.7},{c:.2}\n{us},1,1,2,3,30")
@@ -258,8 +258,14 @@ fn cases_are_read_as_they_should_be() {
         ("european_spreadsheet/log.csv", "", ""),
         ("european_spreadsheet/brackets.csv", "", ""),
         ("px4_csv/log_sensor_gyro_0.csv", "", ""),
-        ("ardupilot_csv/log.csv", "", "--where I=0"),
+        ("ardupilot_csv/log.csv", "", ""),
         ("ardupilot_csv/log.csv", "--where I=1", ""),
+        ("ardupilot_csv/log.csv", "--instance 1", ""),
+        (
+            "px4_csv/log_sensor_gyro_0.csv",
+            "--instance 1",
+            "no column numbers the sources",
+        ),
         ("clock_times/iso.csv", "", "column `gx` has no unit"),
         ("blank_temperatures/log.csv", "", ""),
         ("two_imus_wide/log.csv", "", ""),

@@ -31,6 +31,7 @@ const COMMANDS: [(&str, &[&str], &[&str]); 10] = [
             "--max-slew",
             "--tau",
             "--scale-factor",
+            "--instance",
         ],
         &["--segments", "--exclude"],
     ),
@@ -46,17 +47,17 @@ const COMMANDS: [(&str, &[&str], &[&str]); 10] = [
     ),
     (
         "apply set/coefficients.json log.csv --out OUT",
-        &["--scale-factor"],
+        &["--scale-factor", "--instance"],
         &[],
     ),
     (
         "evaluate set/coefficients.json log.csv --report OUT",
-        &["--tau", "--scale-factor"],
+        &["--tau", "--scale-factor", "--instance"],
         &[],
     ),
     (
         "replay set/coefficients.json log.csv --target /dev/null",
-        &["--baud", "--scale-factor"],
+        &["--baud", "--scale-factor", "--instance"],
         &[],
     ),
     (
