@@ -7,7 +7,7 @@ use tempco_tests::autopilot::{Row, dataflash, ulog};
 
 /// A simulated unit as two sensors: the second one turns the other way, a degree warmer.
 fn rows(bench: &Bench) -> Vec<Row> {
-    bench.ok("simulate --unit fog --profile calibration --seed 3 --out twin.csv");
+    bench.ok("simulate --unit fog --profile calibration --rate 0.5 --seed 3 --out twin.csv");
     let log = fs::read_to_string(bench.path("twin.csv")).unwrap();
     let (header, lines) = log.split_once('\n').unwrap();
     assert!(header.starts_with("time_s,temp_c,x_"), "{header}");

@@ -161,7 +161,7 @@ impl LogArgs {
     /// Summarises several logs at once.
     ///
     /// # Errors
-    /// Those of the logs. Logs with several sources are no error: their numbers are returned.
+    /// What is wrong with a log. Logs with several sources are no error: their numbers are returned.
     pub(crate) fn summarise_all(
         paths: &[PathBuf],
         options: &ReadOptions,

@@ -36,7 +36,7 @@ pub(super) fn read<R: Read>(window: &mut Window<R>) -> io::Result<Table> {
     let what = reader.records(window)?;
     let mut table = reader.table;
     if let Err(what) = what {
-        // The row before may have lost bytes, and have ended with those of the next record.
+        // The row before may have lost bytes, and taken some of the next record.
         let suspect = reader.last_row.map_or(0, |(source, size)| {
             table.pop(source);
             size
