@@ -2,16 +2,14 @@
 
 use tempco::{TableError, ThermalSettings};
 use tempco_log::AxisUnit;
-use tempco_log::median::median;
 use tempco_set::{BiasStep, Disturbance};
 
 use crate::least_squares::{Basis, Block, Blocks, Gram, RateForm, SparseRow, dot};
 use crate::outliers::leaps::{self, Leaps, Series};
-use crate::outliers::{SIGMA_PER_MAD, gaps, steps};
+use crate::outliers::limits::{is_beyond, limits, undisturbed, usual_weight, white_sigmas};
+use crate::outliers::parts::{Parts, of_log};
+use crate::outliers::{gaps, steps};
 use crate::summary::{ChannelData, Offset};
-
-/// Blocks further from the fit than this many standard deviations are left out.
-const LIMIT: f64 = 6.0;
 
 /// Fits and rejections in turn until nothing changes, at most so many times.
 const ROUNDS: usize = 6;
@@ -177,12 +175,6 @@ fn leaps_of(data: &ChannelData, blocks: &Blocks, log: usize) -> Leaps {
     })
 }
 
-/// The blocks of a log.
-fn of_log(blocks: &Blocks, log: usize) -> std::ops::Range<usize> {
-    let first = blocks.blocks.partition_point(|block| block.log < log);
-    first..blocks.blocks.partition_point(|block| block.log <= log)
-}
-
 /// How far the output of an axis at rest can step when the unit is turned to another place: twice
 /// the earth's rate, or any share of gravity. Pulses may be of any size; a pulse per arcsec is fine.
 fn at_rest(unit: AxisUnit) -> f64 {
@@ -195,49 +187,6 @@ fn at_rest(unit: AxisUnit) -> f64 {
     }
 }
 
-/// Parts of logs with a constant each. A log without steps is one part.
-struct Parts {
-    /// Of each block, numbered through all logs.
-    of_block: Vec<usize>,
-    /// Of each log, the part with most rows: its constant is the constant of the log.
-    of_log: Vec<usize>,
-    count: usize,
-}
-
-impl Parts {
-    /// Of what leaps found in each log; without that, a part for each log.
-    fn new(blocks: &Blocks, leaps: &[Leaps]) -> Self {
-        let mut of_block: Vec<usize> = Vec::with_capacity(blocks.blocks.len());
-        for log in 0..blocks.logs() {
-            let first = of_block.iter().max().map_or(0, |last| last + 1);
-            match leaps.get(log) {
-                Some(leaps) => of_block.extend(leaps.parts.iter().map(|part| first + part)),
-                None => of_block.extend(of_log(blocks, log).map(|_| first)),
-            }
-        }
-        Self::of(blocks, of_block)
-    }
-
-    fn of(blocks: &Blocks, of_block: Vec<usize>) -> Self {
-        let count = of_block.iter().max().map_or(0, |last| last + 1);
-        let mut rows = vec![0.0; count];
-        for (part, block) in of_block.iter().zip(&blocks.blocks) {
-            rows[*part] += block.weight;
-        }
-        let home = |log: usize| {
-            let parts = of_block[of_log(blocks, log)].iter().copied();
-            parts
-                .max_by(|&a, &b| rows[a].total_cmp(&rows[b]))
-                .unwrap_or(0)
-        };
-        Self {
-            of_log: (0..blocks.logs()).map(home).collect(),
-            of_block,
-            count,
-        }
-    }
-}
-
 fn residuals(blocks: &Blocks, rows: &[SparseRow], solution: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let of_axis = blocks.raw.iter().zip(solution);
     of_axis
@@ -246,51 +195,6 @@ fn residuals(blocks: &Blocks, rows: &[SparseRow], solution: &[Vec<f64>]) -> Vec<
             pairs.map(|(raw, row)| raw - dot(row, solution)).collect()
         })
         .collect()
-}
-
-/// Number of rows of most blocks.
-fn usual_weight(blocks: &Blocks) -> f64 {
-    let mut weights: Vec<f64> = blocks.blocks.iter().map(|block| block.weight).collect();
-    median(&mut weights)
-}
-
-/// For each axis the standard deviation of a block mean, as far as neighbouring rows tell it: no
-/// residual below that is out of the ordinary, however well the reference fits.
-fn white_sigmas(data: &ChannelData, blocks: &Blocks) -> Vec<f64> {
-    let root = usual_weight(blocks).sqrt();
-    let of_axis = |axis: usize| {
-        let logs = 0..data.logs.len();
-        let mut of_logs: Vec<f64> = logs.map(|log| data.of(log).white_sigmas[axis]).collect();
-        median(&mut of_logs) / root
-    };
-    (0..data.axes()).map(of_axis).collect()
-}
-
-/// For each axis how far a residual may be; what leaps does not count.
-fn limits(residuals: &[Vec<f64>], leap: &[bool], least_sigmas: &[f64]) -> Vec<f64> {
-    let of_axis = |(residuals, least): (&Vec<f64>, &f64)| {
-        let quiet = residuals.iter().zip(leap).filter(|(_, leap)| !**leap);
-        let mut distances: Vec<f64> = quiet.map(|(r, _)| r.abs()).collect();
-        LIMIT * least.max(SIGMA_PER_MAD * median(&mut distances))
-    };
-    residuals.iter().zip(least_sigmas).map(of_axis).collect()
-}
-
-/// For each block, whether all axes are within the limit of their own scale.
-fn undisturbed(blocks: &Blocks, residuals: &[Vec<f64>], limits: &[f64]) -> Vec<bool> {
-    let usual = usual_weight(blocks);
-    let is_within = |i: usize| {
-        let axes = residuals.iter().zip(limits);
-        let mut axes = axes.map(|(residuals, limit)| (residuals[i], *limit));
-        axes.all(|(residual, limit)| !is_beyond(residual, limit, &blocks.blocks[i], usual))
-    };
-    (0..blocks.blocks.len()).map(is_within).collect()
-}
-
-/// A block of few rows may be further away, as its mean is noisier: with rows of white noise by the
-/// root of how few they are, with counts, whose rest comes with the next row, by how few they are.
-fn is_beyond(residual: f64, limit: f64, block: &Block, usual: f64) -> bool {
-    limit > 0.0 && residual.abs() > limit * (usual / block.weight).max(1.0)
 }
 
 /// How far the constant of each part is from the mean of all, by part and axis.

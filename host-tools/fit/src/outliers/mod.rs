@@ -4,6 +4,8 @@
 mod disturbances;
 mod gaps;
 mod leaps;
+mod limits;
+mod parts;
 mod spikes;
 mod steps;
 
