@@ -154,29 +154,6 @@ fn a_movement_that_is_left_out_says_nothing_of_the_set() {
     }
 }
 
-/// The last block may be of one row. Counts whose rest comes with the next row are coarse there,
-/// not in whole blocks.
-#[test]
-fn a_last_block_of_few_rows_is_not_disturbed() {
-    for rows in 1..=8 {
-        let mut log = run(&RUN, 2);
-        let keep = log.rows() / 50 * 50 - 50 + rows;
-        log.time_s.truncate(keep);
-        log.channels[0].temp_c.truncate(keep);
-        for axis in &mut log.channels[0].axes {
-            axis.raw.truncate(keep);
-            let mut left = 0.0;
-            for raw in &mut axis.raw {
-                let value = *raw + left;
-                *raw = value.round();
-                left = value - *raw;
-            }
-        }
-        let (set, _) = fitted(&log);
-        assert_eq!(screening(&set).disturbances, [], "{rows}");
-    }
-}
-
 #[test]
 fn a_turn_is_rejected_or_left_out_and_said() {
     let clean = run(&RUN, 1);

@@ -48,8 +48,7 @@ pub(super) fn undisturbed(blocks: &Blocks, residuals: &[Vec<f64>], limits: &[f64
     (0..blocks.blocks.len()).map(is_within).collect()
 }
 
-/// A block of few rows may be further away, as its mean is noisier: with rows of white noise by the
-/// root of how few they are, with counts, whose rest comes with the next row, by how few they are.
+/// A block of few rows may be further away, as its mean is noisier.
 pub(super) fn is_beyond(residual: f64, limit: f64, block: &Block, usual: f64) -> bool {
-    limit > 0.0 && residual.abs() > limit * (usual / block.weight).max(1.0)
+    limit > 0.0 && residual.abs() > limit * (usual / block.weight).sqrt().max(1.0)
 }
