@@ -4,13 +4,14 @@
 //! Rows of two sources that take turns row by row are in `alternating`.
 
 use super::Place;
+use crate::median::median;
 
 /// Windows are judged by themselves, each of so many rows.
 const WINDOW_ROWS: usize = 256;
 
 /// All of so many windows are judged, then every so many one.
-const ALL_WINDOWS: usize = 64;
-const SOME_WINDOWS: usize = 8;
+const ALL_WINDOWS: usize = 16;
+const SOME_WINDOWS: usize = 32;
 
 /// A jump is this many times the median change from row to row, and the smallest change.
 const JUMP: f64 = 8.0;
@@ -78,11 +79,9 @@ impl Column {
 fn packets(values: &[f64]) -> Option<(f64, f64)> {
     let changes: Vec<f64> = values.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let mut sizes: Vec<f64> = changes.iter().map(|change| change.abs()).collect();
-    sizes.sort_unstable_by(f64::total_cmp);
-    let step = sizes[sizes
-        .partition_point(|size| *size == 0.0)
-        .min(sizes.len() - 1)];
-    let limit = JUMP * sizes[sizes.len() / 2].max(step);
+    let steps = sizes.iter().filter(|size| **size > 0.0);
+    let step = steps.fold(f64::INFINITY, |least, &size| least.min(size));
+    let limit = JUMP * median(&mut sizes).max(step);
     // Where a value jumps, and by how much.
     let numbered = changes.iter().enumerate();
     let jumps: Vec<(usize, f64)> = numbered
