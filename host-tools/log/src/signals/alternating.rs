@@ -3,7 +3,7 @@
 //! Turns of 2, 3, 4, 6 or 12 rows all repeat after 12. So the rows are seen as 12 columns: within a
 //! column a value differs by noise from the one before, between columns by the sources.
 
-use super::Place;
+use super::windows::{Judged, Windows};
 
 /// All turns that are looked for repeat after so many rows.
 const TURN: usize = 12;
@@ -11,10 +11,6 @@ const TURN: usize = 12;
 /// Turns are judged window by window, each of so many rows. A tone that is coherent over all of a
 /// window is within 1/240 of the sampling frequency of such a turn.
 const WINDOW_ROWS: usize = 20 * TURN;
-
-/// All of so many windows are judged, then every so many one.
-const ALL_WINDOWS: usize = 64;
-const SOME_WINDOWS: usize = 8;
 
 /// The means of sources differ by more than so many standard deviations of single rows. Of one
 /// source, the means of a window differ by 0.7 of them ...
@@ -24,27 +20,12 @@ const SIGMAS: f64 = 3.0;
 /// of one step, such as 3, 4, 3, 4.
 const STEPS: f64 = 3.0;
 
-/// Rows take turns if the windows do that make up this share of the log ...
-const SHARE: f64 = 1.0 / 3.0;
-
-/// ... and are so many at least.
-const LEAST_WINDOWS: usize = 2;
-
 /// Compares the rows of each turn.
-#[derive(Clone, Debug)]
-pub(super) struct Alternating {
-    /// The temperature, then the axes.
-    columns: Vec<Column>,
-    rows: usize,
-    /// Windows that were judged.
-    judged: usize,
-    /// Time of the first row of the window \[s\].
-    from_s: f64,
-}
+pub(super) type Alternating = Windows<Turns>;
 
 /// A column as 12 columns, each with sums over the window.
 #[derive(Clone, Debug)]
-struct Column {
+pub(super) struct Turns {
     /// The values one turn ago.
     before: [f64; TURN],
     /// Sums of the values, counted from `base`, the first of the window.
@@ -57,22 +38,18 @@ struct Column {
     found: Found,
 }
 
-/// Windows in which rows take turns.
+/// The window in which the sources differ most.
 #[derive(Clone, Copy, Debug, Default)]
 struct Found {
-    windows: usize,
-    /// Times of the first row of the first, and of the last row of the last \[s\].
-    from_s: f64,
-    to_s: f64,
-    /// Of the window in which the sources differ most: by how much they do, the standard deviation
-    /// of a row, and the rows after which the pattern repeats.
     differ_by: f64,
+    /// Standard deviation of a row.
     sigma: f64,
+    /// Rows after which the pattern repeats.
     turn: usize,
 }
 
-impl Column {
-    fn new() -> Self {
+impl Default for Turns {
+    fn default() -> Self {
         Self {
             before: [0.0; TURN],
             sums: [0.0; TURN],
@@ -82,17 +59,9 @@ impl Column {
             found: Found::default(),
         }
     }
+}
 
-    /// Some rows of a window, the first at a place.
-    #[inline]
-    fn rows(&mut self, place: usize, is_first_turn: bool, values: impl Iterator<Item = f64>) {
-        let numbered = (place..).zip(values);
-        match is_first_turn {
-            true => numbered.for_each(|(place, value)| self.begin(place, value)),
-            false => numbered.for_each(|(place, value)| self.row(place % TURN, value)),
-        }
-    }
-
+impl Turns {
     /// A row of the window's first turn.
     fn begin(&mut self, place: usize, value: f64) {
         if place == 0 {
@@ -114,9 +83,23 @@ impl Column {
         };
         self.steps[place] = self.steps[place].min(size);
     }
+}
 
-    /// Judges the window.
-    fn end_window(&mut self, from_s: f64, to_s: f64) {
+impl Judged for Turns {
+    const ROWS: usize = WINDOW_ROWS;
+    const ALL: usize = 64;
+    const SOME: usize = 8;
+
+    #[inline]
+    fn rows(&mut self, place: usize, mut values: impl Iterator<Item = f64>) {
+        for (place, value) in (place..TURN).zip(values.by_ref()) {
+            self.begin(place, value);
+        }
+        let numbered = (place.max(TURN)..).zip(values);
+        numbered.for_each(|(place, value)| self.row(place % TURN, value));
+    }
+
+    fn end_window(&mut self) -> bool {
         let means = self
             .sums
             .map(|sum| sum * (TURN as f64 / WINDOW_ROWS as f64));
@@ -125,22 +108,32 @@ impl Column {
         let step = self.steps.iter().copied().fold(f64::INFINITY, f64::min);
         let differ_by = range(means.into_iter());
         // Of values that all repeat, no step is known.
-        if differ_by > SIGMAS * sigma && differ_by > STEPS * step {
-            let found = &mut self.found;
-            if found.windows == 0 {
-                found.from_s = from_s;
-            }
-            found.windows += 1;
-            found.to_s = to_s;
-            if differ_by > found.differ_by {
-                let repeats = |&turn: &usize| {
-                    let of_place = |place| means.into_iter().skip(place).step_by(turn);
-                    (0..turn).all(|place| range(of_place(place)) < 0.3 * differ_by)
-                };
-                found.turn = [2, 3, 4, 6].into_iter().find(repeats).unwrap_or(TURN);
-                (found.differ_by, found.sigma) = (differ_by, sigma);
-            }
+        let takes_turns = differ_by > SIGMAS * sigma && differ_by > STEPS * step;
+        if takes_turns && differ_by > self.found.differ_by {
+            let repeats = |&turn: &usize| {
+                let of_place = |place| means.into_iter().skip(place).step_by(turn);
+                (0..turn).all(|place| range(of_place(place)) < 0.3 * differ_by)
+            };
+            let turn = [2, 3, 4, 6].into_iter().find(repeats).unwrap_or(TURN);
+            self.found = Found {
+                differ_by,
+                sigma,
+                turn,
+            };
         }
+        takes_turns
+    }
+
+    fn detail(&self, columns: usize) -> String {
+        let found = self.found;
+        let others = match columns {
+            1 => "no other column does".to_owned(),
+            columns => format!("{columns} columns do"),
+        };
+        format!(
+            "every {} rows repeat, {:.4} apart with a noise of {:.4}; {others}",
+            found.turn, found.differ_by, found.sigma
+        )
     }
 }
 
@@ -150,83 +143,12 @@ fn range(values: impl Iterator<Item = f64> + Clone) -> f64 {
     highest - values.fold(f64::INFINITY, f64::min)
 }
 
-impl Alternating {
-    pub(super) fn new(axes: usize) -> Self {
-        Self {
-            columns: vec![Column::new(); 1 + axes],
-            rows: 0,
-            judged: 0,
-            from_s: 0.0,
-        }
-    }
-
-    pub(super) fn take(&mut self, time_s: &[f64], temp_c: &[f32], axes: &[&[f64]]) {
-        let mut start = 0;
-        while start < time_s.len() {
-            // Up to the end of the window's first turn, of the window, or of the chunk.
-            let place = self.rows % WINDOW_ROWS;
-            let is_first_turn = place < TURN;
-            let wanted = if is_first_turn { TURN } else { WINDOW_ROWS };
-            let end = time_s.len().min(start + wanted - place);
-            let window = self.rows / WINDOW_ROWS;
-            let is_judged = window < ALL_WINDOWS || window.is_multiple_of(SOME_WINDOWS);
-            self.rows += end - start;
-            if is_judged {
-                if place == 0 {
-                    self.from_s = time_s[start];
-                }
-                let (temperature, others) = self.columns.split_first_mut().expect("a temperature");
-                let temps_c = temp_c[start..end].iter().map(|&temp_c| f64::from(temp_c));
-                temperature.rows(place, is_first_turn, temps_c);
-                for (column, values) in others.iter_mut().zip(axes) {
-                    column.rows(place, is_first_turn, values[start..end].iter().copied());
-                }
-                if self.rows.is_multiple_of(WINDOW_ROWS) {
-                    self.judged += 1;
-                    for column in &mut self.columns {
-                        column.end_window(self.from_s, time_s[end - 1]);
-                    }
-                }
-            }
-            start = end;
-        }
-    }
-
-    /// The temperature if its rows take turns, otherwise the axis with the most such windows.
-    pub(super) fn finish(self) -> Vec<Place> {
-        let least = (SHARE * self.judged as f64).max(LEAST_WINDOWS as f64);
-        let takes_turns = |column: &&Column| column.found.windows as f64 >= least;
-        let columns = self.columns.iter().filter(takes_turns).count();
-        let numbered = self.columns.iter().enumerate();
-        let most = numbered
-            .filter(|(_, column)| takes_turns(column))
-            .max_by_key(|&(number, column)| (number == 0, column.found.windows));
-        let place = |(number, column): (usize, &Column)| {
-            let found = column.found;
-            let others = match columns {
-                1 => "no other column does".to_owned(),
-                columns => format!("{columns} columns do"),
-            };
-            Place {
-                axis: number.checked_sub(1),
-                rows: self.rows * found.windows / self.judged,
-                from_s: found.from_s,
-                to_s: found.to_s,
-                detail: format!(
-                    "every {} rows repeat, {:.4} apart with a noise of {:.4}; {others}",
-                    found.turn, found.differ_by, found.sigma
-                ),
-            }
-        };
-        most.into_iter().map(place).collect()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::signals::Place;
     use crate::signals::made::{Made, Noise, rounded, up_and_down};
 
     fn found(log: &Made) -> Vec<Place> {

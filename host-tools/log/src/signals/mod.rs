@@ -19,6 +19,7 @@ mod packets;
 mod running_total;
 mod runs;
 mod temperature_jump;
+mod windows;
 
 use crate::log::Log;
 

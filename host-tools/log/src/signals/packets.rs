@@ -3,15 +3,8 @@
 //! Between packets a value jumps, from one level to the other and back. Within them it has noise.
 //! Rows of two sources that take turns row by row are in `alternating`.
 
-use super::Place;
+use super::windows::{Judged, Windows};
 use crate::median::median;
-
-/// Windows are judged by themselves, each of so many rows.
-const WINDOW_ROWS: usize = 256;
-
-/// All of so many windows are judged, then every so many one.
-const ALL_WINDOWS: usize = 16;
-const SOME_WINDOWS: usize = 32;
 
 /// A jump is this many times the median change from row to row, and the smallest change.
 const JUMP: f64 = 8.0;
@@ -25,53 +18,37 @@ const SCATTER: f64 = 0.3;
 /// Either level holds this share of the rows at least: spikes return at once.
 const LEAST_HOLD: f64 = 0.2;
 
-/// Packets are found if the windows that show them make up this share of those judged ...
-const SHARE: f64 = 1.0 / 3.0;
-
-/// ... and are so many at least.
-const LEAST_WINDOWS: usize = 2;
-
 /// Looks for jumps between two levels.
-#[derive(Clone, Debug)]
-pub(super) struct Packets {
-    rows: usize,
-    judged: usize,
-    /// Time of the first row of the window \[s\].
-    from_s: f64,
-    /// The temperature, then the axes.
-    columns: Vec<Column>,
-}
+pub(super) type Packets = Windows<Levels>;
 
+/// A column that may jump.
 #[derive(Clone, Debug, Default)]
-struct Column {
+pub(super) struct Levels {
     /// Values of the window.
     values: Vec<f64>,
-    found: Found,
+    /// Of the first window with packets: the size of the jumps, and the mean rows of a packet.
+    found: Option<(f64, f64)>,
 }
 
-/// Windows with packets.
-#[derive(Clone, Copy, Debug, Default)]
-struct Found {
-    windows: usize,
-    /// Times of the first row of the first, and of the last row of the last \[s\].
-    from_s: f64,
-    to_s: f64,
-    /// Of the first of them: the size of the jumps, and the mean rows of a packet.
-    size: f64,
-    rows: f64,
-}
+impl Judged for Levels {
+    const ROWS: usize = 256;
+    const ALL: usize = 16;
+    const SOME: usize = 32;
 
-impl Column {
-    fn end_window(&mut self, from_s: f64, to_s: f64) {
-        if let Some((size, rows)) = packets(&self.values) {
-            let found = &mut self.found;
-            if found.windows == 0 {
-                (found.from_s, found.size, found.rows) = (from_s, size, rows);
-            }
-            found.windows += 1;
-            found.to_s = to_s;
-        }
+    fn rows(&mut self, _place: usize, values: impl Iterator<Item = f64>) {
+        self.values.extend(values);
+    }
+
+    fn end_window(&mut self) -> bool {
+        let packets = packets(&self.values);
         self.values.clear();
+        self.found = self.found.or(packets);
+        packets.is_some()
+    }
+
+    fn detail(&self, _columns: usize) -> String {
+        let (size, rows) = self.found.unwrap_or_default();
+        format!("packets of {rows:.0} rows are {size:.4} apart")
     }
 }
 
@@ -110,71 +87,12 @@ fn packets(values: &[f64]) -> Option<(f64, f64)> {
     (is_one_size && held[0].min(held[1]) >= LEAST_HOLD * rows).then(|| (size, rows / (count - 1.0)))
 }
 
-impl Packets {
-    pub(super) fn new(axes: usize) -> Self {
-        Self {
-            rows: 0,
-            judged: 0,
-            from_s: 0.0,
-            columns: vec![Column::default(); 1 + axes],
-        }
-    }
-
-    pub(super) fn take(&mut self, time_s: &[f64], temp_c: &[f32], axes: &[&[f64]]) {
-        let mut start = 0;
-        while start < time_s.len() {
-            // Up to the end of the window or of the rows.
-            let place = self.rows % WINDOW_ROWS;
-            let end = time_s.len().min(start + WINDOW_ROWS - place);
-            let window = self.rows / WINDOW_ROWS;
-            self.rows += end - start;
-            if window < ALL_WINDOWS || window.is_multiple_of(SOME_WINDOWS) {
-                if place == 0 {
-                    self.from_s = time_s[start];
-                }
-                let (temperature, others) = self.columns.split_first_mut().expect("a temperature");
-                let temps_c = temp_c[start..end].iter().map(|&temp_c| f64::from(temp_c));
-                temperature.values.extend(temps_c);
-                for (column, values) in others.iter_mut().zip(axes) {
-                    column.values.extend(&values[start..end]);
-                }
-                if self.rows.is_multiple_of(WINDOW_ROWS) {
-                    self.judged += 1;
-                    for column in &mut self.columns {
-                        column.end_window(self.from_s, time_s[end - 1]);
-                    }
-                }
-            }
-            start = end;
-        }
-    }
-
-    /// The temperature if it shows packets, otherwise the axis with the most such windows.
-    pub(super) fn finish(self) -> Vec<Place> {
-        let least = (SHARE * self.judged as f64).max(LEAST_WINDOWS as f64);
-        let columns = self.columns.iter().enumerate();
-        let most = columns
-            .filter(|(_, column)| column.found.windows as f64 >= least)
-            .max_by_key(|&(number, column)| (number == 0, column.found.windows));
-        let place = |(number, column): (usize, &Column)| Place {
-            axis: number.checked_sub(1),
-            rows: self.rows * column.found.windows / self.judged,
-            from_s: column.found.from_s,
-            to_s: column.found.to_s,
-            detail: format!(
-                "packets of {:.0} rows are {:.4} apart",
-                column.found.rows, column.found.size
-            ),
-        };
-        most.into_iter().map(place).collect()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::signals::Place;
     use crate::signals::made::{Made, Noise, rounded, up_and_down};
 
     fn found(log: &Made) -> Vec<Place> {
