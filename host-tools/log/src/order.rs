@@ -40,6 +40,24 @@ pub(super) struct Bad {
     pub(super) is_fatal: bool,
 }
 
+impl Bad {
+    /// Of a row of a table, for what one of its cells holds.
+    pub(super) fn of_cell(
+        layout: &Layout,
+        (number, time_s): (u64, Option<f64>),
+        position: usize,
+        (reason, message): (Reason, String),
+    ) -> Box<Self> {
+        Box::new(Self {
+            number,
+            time_s,
+            reason,
+            error: layout.cell_error(number, position, message),
+            is_fatal: false,
+        })
+    }
+}
+
 /// How a logger stamps its rows.
 #[derive(Debug)]
 enum Stamping {

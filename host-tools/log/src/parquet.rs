@@ -292,15 +292,9 @@ impl ParquetRows {
                     objection.map(|message| (Reason::OutOfRange, message))
                 }
             };
-            if let Some((reason, message)) = objection {
-                let number = self.row + 1 + row as u64;
-                return Err(Box::new(Bad {
-                    number,
-                    time_s,
-                    reason,
-                    error: self.layout.cell_error(number, slot.position, message),
-                    is_fatal: false,
-                }));
+            if let Some(objection) = objection {
+                let row = (self.row + 1 + row as u64, time_s);
+                return Err(Bad::of_cell(&self.layout, row, slot.position, objection));
             }
             time_s.get_or_insert(*value);
         }

@@ -170,15 +170,9 @@ impl BinaryRows {
                 });
                 objection.map(|message| (Reason::OutOfRange, message))
             };
-            if let Some((reason, message)) = objection {
-                let number = row as u64 + 1;
-                return Err(Box::new(Bad {
-                    number,
-                    time_s,
-                    reason,
-                    error: self.layout.cell_error(number, slot.position, message),
-                    is_fatal: false,
-                }));
+            if let Some(objection) = objection {
+                let row = (row as u64 + 1, time_s);
+                return Err(Bad::of_cell(&self.layout, row, slot.position, objection));
             }
             time_s.get_or_insert(*value);
         }
