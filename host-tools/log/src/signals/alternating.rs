@@ -149,7 +149,7 @@ mod tests {
 
     use super::*;
     use crate::signals::Place;
-    use crate::signals::made::{Made, Noise, rounded, up_and_down};
+    use crate::signals::made::{Made, Noise, rounded, three_axes};
 
     fn found(log: &Made) -> Vec<Place> {
         let mut detector = Alternating::new(log.axes.len());
@@ -165,20 +165,10 @@ mod tests {
         more_c: impl Fn(usize) -> f64,
         more: impl Fn(usize, usize) -> f64,
     ) -> Made {
-        let mut noise = Noise::new(seed);
-        let mut row = 0;
-        let mut log = Made::new(7000, 0.5, |share| {
-            row += 1;
-            let temp_c = up_and_down(share, -10.0, 50.0) + 0.02 * noise.next();
-            rounded(temp_c + more_c(row - 1), step_c)
-        });
-        for axis in 0..3 {
-            let slope = [0.012, -0.008, 0.005][axis];
-            log = log.with_axis(|row, temp_c| {
-                slope * (temp_c - 25.0) + sigma * noise.next() + more(axis, row)
-            });
-        }
-        log
+        three_axes(seed, 7000, (step_c, sigma), |axis, row| match axis {
+            None => more_c(row),
+            Some(axis) => more(axis, row),
+        })
     }
 
     proptest! {

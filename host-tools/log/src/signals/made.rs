@@ -76,3 +76,26 @@ impl Made {
         }
     }
 }
+
+/// Three axes with noise of sigma and a bias of the temperature, rows 0.5 s apart. `more` is added,
+/// by axis, or to the temperature before it is rounded to its step; by row.
+pub(super) fn three_axes(
+    seed: u64,
+    rows: usize,
+    (step_c, sigma): (f64, f64),
+    more: impl Fn(Option<usize>, usize) -> f64,
+) -> Made {
+    let mut noise = Noise::new(seed);
+    let mut row = 0;
+    let mut log = Made::new(rows, 0.5, |share| {
+        row += 1;
+        let temp_c = up_and_down(share, -10.0, 50.0) + 0.02 * noise.next();
+        rounded(temp_c + more(None, row - 1), step_c)
+    });
+    for (axis, slope) in [0.012, -0.008, 0.005].into_iter().enumerate() {
+        log = log.with_axis(|row, temp_c| {
+            slope * (temp_c - 25.0) + sigma * noise.next() + more(Some(axis), row)
+        });
+    }
+    log
+}

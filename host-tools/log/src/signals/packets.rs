@@ -93,30 +93,12 @@ mod tests {
 
     use super::*;
     use crate::signals::Place;
-    use crate::signals::made::{Made, Noise, rounded, up_and_down};
+    use crate::signals::made::{Made, rounded, three_axes};
 
     fn found(log: &Made) -> Vec<Place> {
         let mut detector = Packets::new(log.axes.len());
         log.parts(|time_s, temp_c, axes| detector.take(time_s, temp_c, axes));
         detector.finish()
-    }
-
-    /// Three axes with noise of sigma; `more` by axis, 3 for the temperature, and row.
-    fn log(seed: u64, step_c: f64, sigma: f64, more: impl Fn(usize, usize) -> f64) -> Made {
-        let mut noise = Noise::new(seed);
-        let mut row = 0;
-        let mut log = Made::new(9000, 0.5, |share| {
-            row += 1;
-            let temp_c = up_and_down(share, -10.0, 50.0) + 0.02 * noise.next();
-            rounded(temp_c + more(3, row - 1), step_c)
-        });
-        for axis in 0..3 {
-            let slope = [0.012, -0.008, 0.005][axis];
-            log = log.with_axis(|row, temp_c| {
-                slope * (temp_c - 25.0) + sigma * noise.next() + more(axis, row)
-            });
-        }
-        log
     }
 
     proptest! {
@@ -130,8 +112,8 @@ mod tests {
         ) {
             // The packets of the second source may be longer or shorter.
             let period = rows + (rows as f64 * other) as usize;
-            let log = log(seed, 0.0, 0.05, |which, row| {
-                if which == column && row % period < rows { size } else { 0.0 }
+            let log = three_axes(seed, 9000, (0.0, 0.05), |axis, row| {
+                if axis.unwrap_or(3) == column && row % period < rows { size } else { 0.0 }
             });
             let found = found(&log);
             prop_assert_eq!(found.len(), 1);
@@ -148,9 +130,9 @@ mod tests {
             spikes in 13_usize..2000,
             frequency in 0.0..0.5_f64,
         ) {
-            let mut log = log(seed, step_c, sigma, |axis, row| match axis {
-                0 if row % spikes == 0 => 80.0,
-                1 => (std::f64::consts::TAU * frequency * row as f64).sin(),
+            let mut log = three_axes(seed, 9000, (step_c, sigma), |axis, row| match axis {
+                Some(0) if row % spikes == 0 => 80.0,
+                Some(1) => (std::f64::consts::TAU * frequency * row as f64).sin(),
                 _ => 0.0,
             });
             for value in log.axes.iter_mut().flatten() {
