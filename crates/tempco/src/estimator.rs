@@ -105,6 +105,14 @@ impl RateEstimator {
         self.gain = at_least(self.gain * (2.0 - memory * self.gain), 1.0);
         lag_c * interval.rate_gain_per_min * self.gain
     }
+
+    /// What is left out of a full memory halves again and again. Below this it never counts: the sum
+    /// of both stays 1.
+    pub(crate) fn drop_tiny(&mut self) {
+        if self.memory.value == 1.0 && self.memory.remainder.abs() < 1e-30 {
+            self.memory.remainder = 0.0;
+        }
+    }
 }
 
 #[inline(always)]

@@ -54,6 +54,8 @@ pub(crate) struct SpikeFilter {
 #[derive(Clone, Debug)]
 struct Window {
     rows: Rows,
+    /// Some kept rows, evenly spaced.
+    looked_at: Vec<usize>,
     /// Local median of each axis; NaN of no kept rows.
     levels: Vec<f64>,
 }
@@ -87,15 +89,12 @@ impl SpikeFilter {
     }
 
     /// Takes in the next window; hands on those that are judged, spikes no longer kept.
-    pub(crate) fn take(&mut self, rows: Rows, judged: &mut impl FnMut(&Rows)) {
+    pub(crate) fn take(&mut self, rows: Rows, judged: &mut impl FnMut(Rows)) {
         self.rows += rows.len();
         let looked_at = looked_at(&rows);
+        let mut pairs = looked_at.clone();
+        pairs.retain(|&row| rows.keep.get(row + 1) == Some(&true));
         for (scale, values) in self.axes.iter_mut().zip(&rows.axes) {
-            let pairs: Vec<usize> = looked_at
-                .iter()
-                .copied()
-                .filter(|&row| rows.keep.get(row + 1) == Some(&true))
-                .collect();
             scale.steps.extend(pairs.len(), |i| {
                 (values[pairs[i] + 1] - values[pairs[i]]).abs()
             });
@@ -108,7 +107,11 @@ impl SpikeFilter {
             }
         };
         let levels = rows.axes.iter().map(level).collect();
-        self.waiting.push_back(Window { rows, levels });
+        self.waiting.push_back(Window {
+            rows,
+            looked_at,
+            levels,
+        });
         if let Some(last_but_one) = self.waiting.len().checked_sub(2) {
             self.measure(last_but_one);
         }
@@ -120,7 +123,7 @@ impl SpikeFilter {
     }
 
     /// Hands on what is left.
-    pub(crate) fn finish(&mut self, judged: &mut impl FnMut(&Rows)) {
+    pub(crate) fn finish(&mut self, judged: &mut impl FnMut(Rows)) {
         if let Some(last) = self.waiting.len().checked_sub(1) {
             self.measure(last);
         }
@@ -163,8 +166,9 @@ impl SpikeFilter {
     fn measure(&mut self, window: usize) {
         for axis in 0..self.axes.len() {
             let levels = self.levels(window, axis);
-            let rows = &self.waiting[window].rows;
-            let looked_at = looked_at(rows);
+            let Window {
+                rows, looked_at, ..
+            } = &self.waiting[window];
             let values = &rows.axes[axis];
             let scale = &mut self.axes[axis];
             scale
@@ -173,7 +177,7 @@ impl SpikeFilter {
         }
     }
 
-    fn judge(&mut self, judged: &mut impl FnMut(&Rows)) {
+    fn judge(&mut self, judged: &mut impl FnMut(Rows)) {
         let mut spikes = Vec::new();
         for axis in 0..self.axes.len() {
             let levels = self.levels(0, axis);
@@ -202,7 +206,7 @@ impl SpikeFilter {
             window.rows.keep[row] = false;
         }
         self.before = Some(window.levels);
-        judged(&window.rows);
+        judged(window.rows);
     }
 }
 
@@ -215,8 +219,9 @@ fn distance(value: f64, levels: [f64; 3]) -> f64 {
 /// Some kept rows of a window, evenly spaced.
 fn looked_at(rows: &Rows) -> Vec<usize> {
     let every = rows.len().div_ceil(LOOKED_AT).max(1);
-    let some = (0..rows.len()).step_by(every);
-    some.filter(|&row| rows.keep[row]).collect()
+    let mut some: Vec<usize> = (0..rows.len()).step_by(every).collect();
+    some.retain(|&row| rows.keep[row]);
+    some
 }
 
 impl Scale {
@@ -242,7 +247,7 @@ mod tests {
     /// Positions of the spikes of a series.
     fn spikes(values: &[f64], window: usize) -> Vec<usize> {
         let (mut filter, mut keep) = (SpikeFilter::new(1), Vec::new());
-        let mut judged = |rows: &Rows| keep.extend_from_slice(&rows.keep);
+        let mut judged = |rows: Rows| keep.extend_from_slice(&rows.keep);
         for values in values.chunks(window) {
             let rows = Rows {
                 time_s: vec![0.0; values.len()],

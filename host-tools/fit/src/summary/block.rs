@@ -122,6 +122,16 @@ impl Rows {
         }
     }
 
+    pub(crate) fn clear(&mut self) {
+        self.time_s.clear();
+        self.temp_c.clear();
+        self.effective_c.clear();
+        self.rate.clear();
+        self.accepted.clear();
+        self.keep.clear();
+        self.axes.iter_mut().for_each(Vec::clear);
+    }
+
     pub(crate) fn len(&self) -> usize {
         self.time_s.len()
     }

@@ -1,7 +1,7 @@
 //! One channel of a log on its way into a summary: core, spikes, grid.
 
-use tempco::{Interval, Thermal, ThermalState};
-use tempco_set::run::is_usable;
+use tempco::{Thermal, ThermalState};
+use tempco_set::run::{Intervals, is_usable};
 
 use crate::outliers::{SpikeFilter, window_rows};
 use crate::summary::block::Rows;
@@ -12,10 +12,11 @@ use crate::summary::{ChannelSummary, Plan};
 pub(super) struct ChannelSummariser<'a> {
     plan: &'a Plan,
     state: ThermalState,
-    interval: Interval,
-    interval_s: f32,
+    intervals: Intervals,
     last_s: f64,
     window: Rows,
+    /// A window that is done with, to be filled again.
+    spare: Option<Rows>,
     window_rows: usize,
     spikes: Option<SpikeFilter>,
     grid: Grid,
@@ -38,10 +39,10 @@ impl<'a> ChannelSummariser<'a> {
         Self {
             plan,
             state,
-            interval: Interval::new(thermal, interval_s as f32),
-            interval_s: interval_s as f32,
+            intervals: Intervals::new(thermal, interval_s as f32),
             last_s: first_s - interval_s,
             window: Rows::with_capacity(axes, window_rows),
+            spare: None,
             window_rows,
             spikes: plan.robust.then(|| SpikeFilter::new(axes)),
             grid: Grid::new(axes, first_s - 0.5 * interval_s, plan.block_s, MOST_BLOCKS),
@@ -73,20 +74,29 @@ impl<'a> ChannelSummariser<'a> {
         let rows = &mut self.window;
         rows.time_s.extend_from_slice(time_s);
         rows.temp_c.extend_from_slice(temp_c);
-        for (&time_s, &temp_c) in time_s.iter().zip(temp_c) {
-            let interval_s = (time_s - self.last_s) as f32;
-            self.last_s = time_s;
-            if interval_s != self.interval_s {
-                self.interval = Interval::new(thermal, interval_s);
-                self.interval_s = interval_s;
-            }
-            let point = self.state.update(thermal, &self.interval, temp_c);
-            rows.effective_c.push(point.effective_c);
-            rows.rate.push(point.rate_c_per_min);
-            let usable = is_usable(&point);
-            rows.accepted.push(usable);
-            self.unusable_rows += usize::from(!usable);
+        let first = rows.effective_c.len();
+        rows.effective_c.resize(first + temp_c.len(), 0.0);
+        rows.rate.resize(first + temp_c.len(), 0.0);
+        rows.accepted.resize(first + temp_c.len(), false);
+        let points = rows.effective_c[first..].iter_mut();
+        let points = points
+            .zip(&mut rows.rate[first..])
+            .zip(&mut rows.accepted[first..]);
+        // The state is kept in registers.
+        let (mut state, mut intervals, mut last_s) = (self.state, self.intervals, self.last_s);
+        for ((&time_s, &temp_c), ((effective_c, rate), accepted)) in
+            time_s.iter().zip(temp_c).zip(points)
+        {
+            let interval = intervals.of(thermal, (time_s - last_s) as f32);
+            last_s = time_s;
+            let point = state.update(thermal, &interval, temp_c);
+            *effective_c = point.effective_c;
+            *rate = point.rate_c_per_min;
+            *accepted = is_usable(&point);
+            self.unusable_rows += usize::from(!*accepted);
         }
+        state.drop_tiny();
+        (self.state, self.intervals, self.last_s) = (state, intervals, last_s);
         rows.keep
             .extend_from_slice(&rows.accepted[rows.keep.len()..]);
         for stretch in &self.plan.exclude {
@@ -100,12 +110,19 @@ impl<'a> ChannelSummariser<'a> {
     }
 
     fn close_window(&mut self) {
-        let next = Rows::with_capacity(self.window.axes.len(), self.window_rows);
+        let axes = self.window.axes.len();
+        let next = self.spare.take();
+        let next = next.unwrap_or_else(|| Rows::with_capacity(axes, self.window_rows));
         let window = std::mem::replace(&mut self.window, next);
+        let mut judged = |rows: Rows| {
+            self.grid.take(&rows);
+            self.spare = Some(rows);
+        };
         match &mut self.spikes {
-            Some(spikes) => spikes.take(window, &mut |rows| self.grid.take(rows)),
-            None => self.grid.take(&window),
+            Some(spikes) => spikes.take(window, &mut judged),
+            None => judged(window),
         }
+        self.window.clear();
     }
 
     /// The summary, without names.
@@ -115,7 +132,7 @@ impl<'a> ChannelSummariser<'a> {
         let mut spike_rows = 0;
         let mut spiked = Vec::new();
         if let Some(spikes) = &mut self.spikes {
-            spikes.finish(&mut |rows| self.grid.take(rows));
+            spikes.finish(&mut |rows| self.grid.take(&rows));
             white_sigmas = spikes.white_sigmas();
             spike_rows = spikes.spikes();
             spiked = spikes.places();

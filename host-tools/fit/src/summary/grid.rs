@@ -148,18 +148,23 @@ impl Grid {
 
 impl Sample {
     fn of(number: u64, rows: &Rows, range: Range<usize>) -> Self {
-        let accepted = rows.accepted[range.clone()].iter().filter(|&&b| b).count();
+        let accepted = &rows.accepted[range.clone()];
+        let (times_s, temps_c) = (&rows.time_s[range.clone()], &rows.temp_c[range.clone()]);
+        let count = accepted.iter().filter(|&&accepted| accepted).count();
+        let (all, count) = match count {
+            0 => (true, range.len()),
+            _ => (count == range.len(), count),
+        };
         let (mut temp_c, mut time_s) = (0.0, 0.0);
-        for row in range.clone() {
-            if rows.accepted[row] || accepted == 0 {
-                temp_c += f64::from(rows.temp_c[row]);
-                time_s += rows.time_s[row] - rows.time_s[range.start];
+        for ((row_s, row_c), accepted) in times_s.iter().zip(temps_c).zip(accepted) {
+            if all || *accepted {
+                temp_c += f64::from(*row_c);
+                time_s += row_s - times_s[0];
             }
         }
-        let count = if accepted == 0 { range.len() } else { accepted };
         Self {
             number,
-            time_s: rows.time_s[range.start] + time_s / count as f64,
+            time_s: times_s[0] + time_s / count as f64,
             temp_c: (temp_c / count as f64) as f32,
             rows: count as u32,
             kept: rows.keep[range].iter().filter(|&&keep| keep).count() as u32,

@@ -31,6 +31,7 @@ use tempco::{Interval, Thermal, ThermalPoint, ThermalState};
 use tempco_log::signals::Finding;
 use tempco_log::{AxisUnit, Reading, SkippedRows};
 use tempco_set::Stretch;
+use tempco_set::run::Intervals;
 
 /// What must be known before a log is summarised; see [`FitOptions::plan`](crate::FitOptions::plan).
 #[derive(Clone, Debug, PartialEq)]
@@ -143,10 +144,12 @@ impl ChannelSummary {
         };
         let mut state = ThermalState::new(thermal);
         state.start(thermal, first.temp_c);
+        let mut intervals = Intervals::new(thermal, self.sample_s() as f32);
         let mut last_s = first.time_s - self.sample_s();
         let point = |sample: &Sample| {
-            let interval = Interval::new(thermal, (sample.time_s - last_s) as f32);
+            let interval = intervals.of(thermal, (sample.time_s - last_s) as f32);
             last_s = sample.time_s;
+            state.drop_tiny();
             SamplePoint {
                 interval,
                 point: state.update(thermal, &interval, sample.temp_c),

@@ -16,10 +16,35 @@ pub fn thermal_points(log: &Log, channel: usize, thermal: &Thermal) -> Vec<Therm
     let temps_c = &log.channels[channel].temp_c;
     let mut state = ThermalState::new(thermal);
     state.start(thermal, temps_c[0]);
+    let mut intervals = Intervals::new(thermal, 0.0);
     log.intervals_s()
         .zip(temps_c)
-        .map(|(dt_s, &temp_c)| state.update(thermal, &Interval::new(thermal, dt_s), temp_c))
+        .map(|(dt_s, &temp_c)| state.update(thermal, &intervals.of(thermal, dt_s), temp_c))
         .collect()
+}
+
+/// The core's intervals. Most of a log are as long as the one before, and that is not made again.
+#[derive(Clone, Copy, Debug)]
+pub struct Intervals {
+    dt_s: f32,
+    interval: Interval,
+}
+
+impl Intervals {
+    /// Starts with an interval of `dt_s` \[s\].
+    pub const fn new(thermal: &Thermal, dt_s: f32) -> Self {
+        let interval = Interval::new(thermal, dt_s);
+        Self { dt_s, interval }
+    }
+
+    /// The interval of `dt_s` \[s\], for the same settings.
+    #[inline]
+    pub fn of(&mut self, thermal: &Thermal, dt_s: f32) -> Interval {
+        if dt_s != self.dt_s {
+            *self = Self::new(thermal, dt_s);
+        }
+        self.interval
+    }
 }
 
 /// The thermal path with limits that no rate reaches.
@@ -35,6 +60,7 @@ pub fn with_every_rate(settings: ThermalSettings) -> Result<Thermal, TableError>
 }
 
 /// Whether a row may enter a fit.
+#[inline]
 pub fn is_usable(point: &ThermalPoint) -> bool {
     !UNUSABLE.iter().any(|flag| point.status.intersects(*flag))
 }
