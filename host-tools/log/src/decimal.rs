@@ -54,8 +54,7 @@ pub(super) fn short(text: &[u8], at: usize) -> Option<(f64, usize)> {
     let high = u64::from_le_bytes(high.try_into().ok()?);
     // One bit for each byte that is no digit; the first byte may be a sign.
     let others = u32::from(not_digits(low)) | u32::from(not_digits(high)) << 8;
-    let is_negative = bytes[0] == b'-';
-    let sign = u32::from(is_negative);
+    let sign = u32::from(bytes[0] == b'-');
     let after_sign = others & !sign;
     let point = after_sign.trailing_zeros();
     let whole_digits = point.wrapping_sub(sign);
@@ -82,12 +81,22 @@ pub(super) fn short(text: &[u8], at: usize) -> Option<(f64, usize)> {
     } else {
         return None;
     };
-    // Below 1e15 and so exact, as is the power: the quotient is rounded once. The sign is no branch,
-    // which noise about zero would take at random.
-    let magnitude = mantissa as i64 as f64 / POWERS_OF_TEN[decimals];
-    let sign_bit = u64::from(is_negative) << 63;
-    Some((f64::from_bits(magnitude.to_bits() | sign_bit), end))
+    // Below 1e15 and so exact, as is the power: the quotient is rounded once. The bits of a number
+    // from 2^52 on hold it as it is, and the sign is that of the power, without a branch: noise about
+    // zero would take it at random.
+    let magnitude = f64::from_bits(TWO_52.to_bits() | mantissa) - TWO_52;
+    let power = SIGNED_POWERS_OF_TEN[sign as usize][decimals];
+    Some((magnitude / power, end))
 }
+
+/// The doubles from here on are integers.
+const TWO_52: f64 = (1_u64 << 52) as f64;
+
+/// What a mantissa is divided by: for a number without a sign, and with one.
+const SIGNED_POWERS_OF_TEN: [[f64; 9]; 2] = [
+    [1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8],
+    [-1e0, -1e1, -1e2, -1e3, -1e4, -1e5, -1e6, -1e7, -1e8],
+];
 
 const POWERS_OF_TEN_INTEGER: [u64; 9] = [
     1,
