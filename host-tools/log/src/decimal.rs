@@ -38,6 +38,40 @@ pub(super) fn prefix(text: &[u8]) -> Option<(f64, usize)> {
     Some((if is_negative { -magnitude } else { magnitude }, at))
 }
 
+/// Reads the plain number that `text` starts with, of at most 8 bytes after its sign; returns its value
+/// and its length. `None` where there is no digit. If another digit follows, the number is longer, and
+/// so for [`short`].
+///
+/// All bytes are looked at together: a number costs the same whatever its digits.
+#[inline(always)]
+pub(super) fn shortest(text: &[u8; WINDOW]) -> Option<(f64, usize)> {
+    let sign = usize::from(text[0] == b'-');
+    let bytes = u64::from_le_bytes(*text[sign..].first_chunk()?);
+    // The first byte that is no digit is the point, or the end; 8 if all are digits.
+    let others = high_bits(bytes);
+    let after_first = others & others.wrapping_sub(1);
+    let first = others.trailing_zeros() as usize / 8;
+    let second = after_first.trailing_zeros() as usize / 8;
+    let has_point = first < 8 && text[sign + first] == b'.';
+    let (length, decimals) = match has_point {
+        true => (second, second - first - 1),
+        false => (first, 0),
+    };
+    let digits = length - usize::from(has_point);
+    if digits == 0 {
+        return None;
+    }
+    // The digits after the point move up to those before it, and all to the last places.
+    let whole = (others ^ others.wrapping_sub(1)) >> 8;
+    let moved = if has_point { bytes >> 8 } else { bytes };
+    let joined = (bytes & whole) | (moved & !whole);
+    let mantissa = eight_digits(joined << (64 - 8 * digits));
+    Some((quotient(mantissa, sign, decimals), sign + length))
+}
+
+/// Bytes that [`shortest`] is given: more than it looks at, so that no place needs a check.
+pub(super) const WINDOW: usize = 32;
+
 /// A number of at most so many digits before the point is read by [`short`].
 const MOST_SHORT_DIGITS: u32 = 7;
 
@@ -81,12 +115,18 @@ pub(super) fn short(text: &[u8], at: usize) -> Option<(f64, usize)> {
     } else {
         return None;
     };
-    // Below 1e15 and so exact, as is the power: the quotient is rounded once. The bits of a number
-    // from 2^52 on hold it as it is, and the sign is that of the power, without a branch: noise about
-    // zero would take it at random.
+    Some((quotient(mantissa, sign as usize, decimals), end))
+}
+
+/// A mantissa below 2^52 with its sign and decimals.
+///
+/// It is exact, as is the power: the quotient is rounded once. The bits of the doubles from 2^52 on
+/// hold it as it is. The sign is that of the power, without a branch: noise about zero would take it
+/// at random.
+#[inline(always)]
+fn quotient(mantissa: u64, sign: usize, decimals: usize) -> f64 {
     let magnitude = f64::from_bits(TWO_52.to_bits() | mantissa) - TWO_52;
-    let power = SIGNED_POWERS_OF_TEN[sign as usize][decimals];
-    Some((magnitude / power, end))
+    magnitude / SIGNED_POWERS_OF_TEN[sign][decimals]
 }
 
 /// The doubles from here on are integers.
@@ -110,15 +150,20 @@ const POWERS_OF_TEN_INTEGER: [u64; 9] = [
     100_000_000,
 ];
 
-/// A bit for each of eight bytes, the first byte's the lowest: whether it is no decimal digit.
+/// The high bit of each byte that is no decimal digit.
 #[inline]
-fn not_digits(bytes: u64) -> u8 {
+fn high_bits(bytes: u64) -> u64 {
     const HIGH: u64 = 0x8080_8080_8080_8080;
     let value = bytes ^ 0x3030_3030_3030_3030;
     // A digit's value is below 10: adding 118 to its low seven bits does not reach the high bit.
-    let beyond = ((value & !HIGH) + 0x7676_7676_7676_7676) | value;
+    (((value & !HIGH) + 0x7676_7676_7676_7676) | value) & HIGH
+}
+
+/// A bit for each of eight bytes, the first byte's the lowest: whether it is no decimal digit.
+#[inline]
+fn not_digits(bytes: u64) -> u8 {
     // The product gathers the high bits in the top byte.
-    (((beyond & HIGH) >> 7).wrapping_mul(0x0102_0408_1020_4080) >> 56) as u8
+    ((high_bits(bytes) >> 7).wrapping_mul(0x0102_0408_1020_4080) >> 56) as u8
 }
 
 /// The number that eight bytes of text make, the first one the highest place; bytes of 0 count as
@@ -196,6 +241,11 @@ mod tests {
         {
             assert_eq!(value.to_bits(), expected.to_bits(), "{text}");
         }
+        if let Some((value, length)) = shortest_of(&format!("{text},"))
+            && length == text.len()
+        {
+            assert_eq!(value.to_bits(), expected.to_bits(), "{text}");
+        }
         let cells = format!("00000000{text},0000000000000000");
         if let Some((value, end)) = short(cells.as_bytes(), 8)
             && end == 8 + text.len()
@@ -204,8 +254,40 @@ mod tests {
         }
     }
 
+    fn shortest_of(text: &str) -> Option<(f64, usize)> {
+        let text = format!("{text}{:032}", 0);
+        shortest(text.as_bytes().first_chunk().unwrap())
+    }
+
     #[test]
-    fn short_numbers_take_the_shortest_way() {
+    fn the_shortest_numbers_take_the_shortest_way() {
+        for (text, value, length) in [
+            ("0,", 0.0, 1),
+            ("-0.0625,", -0.0625, 7),
+            ("72000.55\n", 72000.55, 8),
+            ("-1234567.,", -1_234_567.0, 9),
+            ("12345678,", 12_345_678.0, 8),
+            (".1234567,", 0.123_456_7, 8),
+            ("-.5\r", -0.5, 3),
+            ("5.,", 5.0, 2),
+            ("1e5,", 1.0, 1),
+            ("1.5.2,", 1.5, 3),
+        ] {
+            assert_eq!(shortest_of(text), Some((value, length)), "{text}");
+        }
+        assert!(shortest_of("-0,").unwrap().0.is_sign_negative());
+        // The length of a longer number is where it is cut: no end of a cell.
+        for text in ["123456789,", "1234567.8,", "-0.1234567,", "12345678.,"] {
+            let (_, length) = shortest_of(text).unwrap();
+            assert!(length < text.len() - 1, "{text}");
+        }
+        for text in [",", "-,", ".,", "-.,", "x,", "+1,", "--1,", " 1,", ""] {
+            assert_eq!(shortest_of(&format!("{text},")), None, "{text}");
+        }
+    }
+
+    #[test]
+    fn short_numbers_take_a_short_way() {
         let read = |text: &str| {
             let cells = format!("9,9,9,9,{text}0000000000000000");
             let (value, end) = short(cells.as_bytes(), 8)?;

@@ -1,6 +1,6 @@
 //! Rows of text become numbers.
 
-use memchr::{memchr_iter, memchr2};
+use memchr::{memchr, memchr2};
 
 use super::LogError;
 use super::blocks::Block;
@@ -24,7 +24,8 @@ pub(super) fn parse(layout: &Layout, block: &Block, skip_bad_rows: bool) -> Pars
         layout,
         plan: plan(layout),
         first_line: block.first_line,
-        values: vec![0.0; layout.slots.len()],
+        values: vec![0.0; ROWS_AT_A_TIME * layout.slots.len()],
+        kept: 0,
         skip_bad_rows,
         parsed: Parsed {
             chunk: layout.chunk(capacity),
@@ -44,8 +45,12 @@ pub(super) fn parse(layout: &Layout, block: &Block, skip_bad_rows: bool) -> Pars
         Separator::Bar => rows.plain::<b'|'>(text),
         Separator::Blanks => rows.unusual(text),
     }
+    rows.flush();
     rows.parsed
 }
+
+/// Rows that are parsed before they are divided into columns.
+const ROWS_AT_A_TIME: usize = 64;
 
 /// A column of the file.
 struct Column {
@@ -81,8 +86,10 @@ struct Rows<'a> {
     plan: Vec<Column>,
     /// Number of the line that the block begins with.
     first_line: u64,
-    /// The row being read: nothing is kept of a row with a bad cell.
+    /// Some rows, and room for the one being read: nothing is kept of a row with a bad cell.
     values: Vec<f64>,
+    /// Values of the rows that are kept.
+    kept: usize,
     skip_bad_rows: bool,
     parsed: Parsed,
 }
@@ -95,13 +102,17 @@ impl Rows<'_> {
     fn plain<const SEPARATOR: u8>(&mut self, text: &[u8]) {
         let (mut start, mut line) = (0, 0);
         let mut cells = Vec::new();
-        for end in memchr_iter(b'\n', text) {
-            if self.row::<SEPARATOR>(text, start) == Some(end) {
+        while start < text.len() {
+            start = if let Some(next) = self.row::<SEPARATOR>(text, start) {
                 self.keep(line);
-            } else if !self.divided(line, &text[start..end], &mut cells) {
-                return;
-            }
-            start = end + 1;
+                next
+            } else {
+                let length = memchr(b'\n', &text[start..]).unwrap_or(text.len() - start);
+                if !self.divided(line, &text[start..start + length], &mut cells) {
+                    return;
+                }
+                start + length + 1
+            };
             line += 1;
         }
     }
@@ -149,11 +160,13 @@ impl Rows<'_> {
     #[inline]
     fn row<const SEPARATOR: u8>(&mut self, text: &[u8], mut at: usize) -> Option<usize> {
         let last = self.plan.len() - 1;
+        let values = &mut self.values[self.kept..][..self.layout.slots.len()];
         for (position, column) in self.plan.iter().enumerate() {
+            let separator = if position == last { b'\n' } else { SEPARATOR };
             if column.slots.is_empty() {
                 at += memchr2(SEPARATOR, b'\n', &text[at..])?;
             } else {
-                let (value, end) = match cell::<SEPARATOR>(text, at) {
+                let (value, end) = match cell::<SEPARATOR>(text, at, separator) {
                     Some(found) => found,
                     None if column.may_be_blank && is_end::<SEPARATOR>(text, at) => {
                         self.parsed.has_blanks = true;
@@ -166,27 +179,36 @@ impl Rows<'_> {
                     return None;
                 }
                 for &slot in &column.slots {
-                    self.values[slot] = value;
+                    values[slot] = value;
                 }
             }
-            let separator = if position == last { b'\n' } else { SEPARATOR };
             if text[at] != separator {
                 return None;
             }
             at += 1;
         }
         if self.layout.converts {
-            self.layout.convert(&mut self.values);
+            self.layout.convert(values);
         }
-        Some(at - 1)
+        Some(at)
     }
 
     /// Keeps the row that was read.
     #[inline]
     fn keep(&mut self, line: u32) {
-        self.layout.push(&mut self.parsed.chunk, &self.values);
+        self.kept += self.layout.slots.len();
+        if self.kept == self.values.len() {
+            self.flush();
+        }
         let number = self.first_line + u64::from(line);
         self.parsed.numbers.push(number);
+    }
+
+    /// Divides the rows that were kept into columns.
+    fn flush(&mut self) {
+        let rows = &self.values[..self.kept];
+        self.layout.extend(&mut self.parsed.chunk, rows);
+        self.kept = 0;
     }
 
     /// Takes a row by its cells; returns whether to go on.
@@ -248,7 +270,7 @@ impl Rows<'_> {
             let error = LogError::line(&layout.path, number, message);
             return bad(None, Reason::CellCount, error);
         }
-        for (value, slot) in self.values.iter_mut().zip(&layout.slots) {
+        for (value, slot) in self.values[self.kept..].iter_mut().zip(&layout.slots) {
             match layout.value(slot, cells[slot.position].trim_ascii()) {
                 Ok(found) => *value = found,
                 Err((reason, message)) => {
@@ -270,9 +292,22 @@ fn is_end<const SEPARATOR: u8>(text: &[u8], at: usize) -> bool {
         .is_some_and(|&byte| byte == SEPARATOR || byte == b'\n')
 }
 
-/// Reads the cell at `at` of `text`; returns its value and where it ends.
+/// Reads the cell at `at` of `text`, which `separator` ends as a rule; returns its value and where it
+/// ends.
 #[inline(always)]
-fn cell<const SEPARATOR: u8>(text: &[u8], at: usize) -> Option<(f64, usize)> {
+fn cell<const SEPARATOR: u8>(text: &[u8], at: usize, separator: u8) -> Option<(f64, usize)> {
+    if let Some(start) = text[at..].first_chunk()
+        && let Some((value, length)) = decimal::shortest(start)
+        && start[length] == separator
+    {
+        return Some((value, at + length));
+    }
+    long_cell::<SEPARATOR>(text, at)
+}
+
+/// A cell of more digits.
+#[inline(never)]
+fn long_cell<const SEPARATOR: u8>(text: &[u8], at: usize) -> Option<(f64, usize)> {
     if let Some((value, end)) = decimal::short(text, at)
         && is_end::<SEPARATOR>(text, end)
     {
