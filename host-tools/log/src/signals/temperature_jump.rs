@@ -115,7 +115,13 @@ impl Level {
             true => (MEMORY, time_s),
             false => (1.0, self.changed_s),
         };
-        self.largest_c = change_c.max(memory * self.largest_c);
+        // No number here is NaN; `f64::max` would look for it.
+        let faded_c = memory * self.largest_c;
+        self.largest_c = if change_c > faded_c {
+            change_c
+        } else {
+            faded_c
+        };
         self.changed_s = changed_s;
         self.temp_c = temp_c;
         self.rows += 1;
@@ -153,21 +159,22 @@ impl TemperatureJump {
 
     pub(super) fn take(&mut self, time_s: &[f64], temp_c: &[f32], _axes: &[&[f64]]) {
         // The level is kept in registers; nearly all rows are near it.
-        let (mut level, mut last_s) = (self.level, self.last_s);
-        for (&time_s, &temp_c) in time_s.iter().zip(temp_c) {
+        let (mut level, mut last_s, mut is_at_level) =
+            (self.level, self.last_s, self.away.is_none());
+        let before = self.rows;
+        for (row, (&time_s, &temp_c)) in time_s.iter().zip(temp_c).enumerate() {
             let (temp_c, interval_s) = (f64::from(temp_c), time_s - last_s);
             let is_near = (temp_c - level.temp_c).abs() <= LEAST_C && interval_s <= GAP_S;
-            if is_near && self.away.is_none() {
+            if is_near && is_at_level {
                 level.go_on(temp_c, time_s);
             } else {
-                (self.level, self.last_s) = (level, last_s);
+                (self.level, self.last_s, self.rows) = (level, last_s, before + row);
                 self.unusual(time_s, temp_c, interval_s);
-                level = self.level;
+                (level, is_at_level) = (self.level, self.away.is_none());
             }
-            self.rows += 1;
             last_s = time_s;
         }
-        (self.level, self.last_s) = (level, last_s);
+        (self.level, self.last_s, self.rows) = (level, last_s, before + time_s.len());
     }
 
     /// A row after a pause, or far from the level, or the first.
