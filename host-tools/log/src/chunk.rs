@@ -38,12 +38,11 @@ impl Chunk {
         }
     }
 
-    /// Takes the rows from `row` on out of the chunk. Columns of another log may still be empty.
+    /// Takes the rows from `row` on out of the chunk.
     pub(super) fn split_off(&mut self, row: usize) -> Self {
-        let temps_c = self.temps_c.iter_mut();
         Self {
             time_s: self.time_s.split_off(row),
-            temps_c: temps_c.map(|c| c.split_off(row.min(c.len()))).collect(),
+            temps_c: self.temps_c.iter_mut().map(|c| c.split_off(row)).collect(),
             axes: self.axes.iter_mut().map(|c| c.split_off(row)).collect(),
         }
     }

@@ -31,9 +31,6 @@ const RESTART_GAP_S: f64 = 3600.0;
 /// as long.
 const LONG_BURST_S: f64 = 10.0;
 
-/// Stamps that a judgement needs after the one that is judged.
-pub(super) const LOOK_AHEAD: usize = 1;
-
 /// What was found in the stamps of a log.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct TimeNotes {

@@ -1,11 +1,11 @@
 //! Puts parsed rows together, with a time that increases.
 //!
-//! A few rows wait until those after them are known: what a stamp means depends on the next one.
+//! Rows wait until those after them are known: what a stamp means depends on the next one.
 
 use super::LogError;
 use super::bursts::{self, Bursts};
 use super::chunk::Chunk;
-use super::clock::{Clock, LOOK_AHEAD, Stamp, TimeNotes};
+use super::clock::{Clock, Stamp, TimeNotes};
 use super::hold::Hold;
 use super::layout::Layout;
 use super::row_numbers::RowNumbers;
@@ -112,12 +112,17 @@ impl TimeOrder {
     pub(super) fn take(&mut self, layout: &Layout, parsed: Parsed) -> Result<Chunk, LogError> {
         self.skipped.add(parsed.skipped);
         self.has_blanks |= parsed.has_blanks;
-        self.waiting.append(&parsed.chunk);
         self.numbers.append(&parsed.numbers);
         let Some(bad) = parsed.bad else {
-            return self.release(layout, false);
+            if parsed.chunk.rows() == 0 || self.waiting.rows() < bursts::AHEAD {
+                self.waiting.append(&parsed.chunk);
+                return Ok(layout.chunk(0));
+            }
+            let rows = std::mem::replace(&mut self.waiting, parsed.chunk);
+            return self.release(layout, rows, false);
         };
-        self.release(layout, true)?;
+        self.waiting.append(&parsed.chunk);
+        self.finish(layout)?;
         // In its row, time comes before the other cells.
         if let Some(time_s) = bad.time_s
             && let Err(message) = self.time(time_s, None)
@@ -132,7 +137,8 @@ impl TimeOrder {
     /// # Errors
     /// The first bad row, unless bad rows are skipped.
     pub(super) fn finish(&mut self, layout: &Layout) -> Result<Chunk, LogError> {
-        self.release(layout, true)
+        let rows = std::mem::replace(&mut self.waiting, layout.chunk(0));
+        self.release(layout, rows, true)
     }
 
     /// What was found in the stamps so far.
@@ -148,23 +154,23 @@ impl TimeOrder {
         }
     }
 
-    fn release(&mut self, layout: &Layout, is_end: bool) -> Result<Chunk, LogError> {
-        let stamps_s = &self.waiting.time_s;
+    /// Judges rows, by those that wait too, and returns them as far as their times are known.
+    fn release(
+        &mut self,
+        layout: &Layout,
+        mut rows: Chunk,
+        is_end: bool,
+    ) -> Result<Chunk, LogError> {
         if matches!(self.stamping, Stamping::Unknown) {
-            if !is_end && stamps_s.len() < bursts::AHEAD {
-                return Ok(layout.chunk(0));
-            }
+            let stamps_s = &rows.time_s;
             let found = Bursts::find(&stamps_s[..stamps_s.len().min(bursts::AHEAD)]);
             self.stamping = found.map_or(Stamping::EachRow, Stamping::InBursts);
         }
-        let ahead = if is_end { 0 } else { LOOK_AHEAD };
-        let later = self.waiting.split_off(stamps_s.len().saturating_sub(ahead));
-        let mut judged = std::mem::replace(&mut self.waiting, later);
-        self.judge(layout, &mut judged)?;
+        self.judge(layout, &mut rows)?;
         let Stamping::InBursts(bursts) = &mut self.stamping else {
-            return Ok(judged);
+            return Ok(rows);
         };
-        self.open.append(&judged);
+        self.open.append(&rows);
         let rows = self.open.rows();
         let open = if is_end {
             0

@@ -138,11 +138,13 @@ impl LogStream {
     pub fn next_chunk(&mut self) -> Result<Option<Chunk>, LogError> {
         while self.sha256.is_none() {
             let next = match &mut self.rows {
-                Rows::Text(rows) => rows.next()?,
-                Rows::Parquet(rows) => rows.next()?,
-                Rows::Binary(rows) => rows.next(),
+                Rows::Text(rows) => rows.next(),
+                Rows::Parquet(rows) => rows.next(),
+                Rows::Binary(rows) => Ok(rows.next()),
             };
-            let rows = match next {
+            // What is wrong with the rows that wait comes first.
+            let next = next.or_else(|error| self.order.finish(&self.layout).and(Err(error)));
+            let rows = match next? {
                 Ok(parsed) => self.order.take(&self.layout, parsed)?,
                 Err(sha256) => {
                     let rest = self.order.finish(&self.layout)?;
