@@ -35,8 +35,7 @@ pub(super) struct Block {
 }
 
 impl Block {
-    fn new(mut bytes: Vec<u8>, first_line: u64) -> Self {
-        let is_plain = is_plain(&bytes);
+    fn new(mut bytes: Vec<u8>, first_line: u64, is_plain: bool) -> Self {
         if is_plain && bytes.last().is_some_and(|&byte| byte != b'\n') {
             bytes.push(b'\n');
         }
@@ -92,6 +91,7 @@ impl<R: Read> Blocks<R> {
         let mut bytes = Vec::with_capacity(self.size.max(self.rest.len()) + 1);
         bytes.append(&mut self.rest);
         let mut size = self.size;
+        let mut is_known_plain = false;
         while !self.has_ended {
             let wanted = size.saturating_sub(bytes.len()).max(1);
             let read = (&mut self.reader)
@@ -101,7 +101,8 @@ impl<R: Read> Blocks<R> {
             if self.has_ended {
                 break;
             }
-            if let Some(end) = last_row_end(&bytes, self.separator) {
+            if let Some((end, is_plain)) = last_row_end(&bytes, self.separator) {
+                is_known_plain = is_plain;
                 self.rest.extend_from_slice(&bytes[end..]);
                 bytes.truncate(end);
                 break;
@@ -115,8 +116,12 @@ impl<R: Read> Blocks<R> {
             return Ok(None);
         }
         let first_line = self.line;
-        self.line += u64::from(lines(&bytes, &self.rest));
-        Ok(Some(Block::new(bytes, first_line)))
+        let is_plain = is_known_plain || is_plain(&bytes);
+        self.line += match is_plain {
+            true => memchr_iter(b'\n', &bytes).count() as u64,
+            false => u64::from(lines(&bytes, &self.rest)),
+        };
+        Ok(Some(Block::new(bytes, first_line, is_plain)))
     }
 
     /// The stream, read to its end.
@@ -125,20 +130,20 @@ impl<R: Read> Blocks<R> {
     }
 }
 
-/// Where the last row ends that is whole for certain.
-fn last_row_end(bytes: &[u8], separator: u8) -> Option<usize> {
+/// Where the last row ends that is whole for certain, and whether all up to there is plain.
+fn last_row_end(bytes: &[u8], separator: u8) -> Option<(usize, bool)> {
     // Up to a line feed before which nothing is quoted, every row is whole.
     if let Some(at) = memrchr(b'\n', bytes)
         && is_plain(&bytes[..=at])
     {
-        return Some(at + 1);
+        return Some((at + 1, true));
     }
     let mut records = Records::new(bytes, separator);
     let mut last = None;
     while records.next().is_some() && !records.rest().is_empty() {
         last = Some(bytes.len() - records.rest().len());
     }
-    last
+    last.map(|end| (end, false))
 }
 
 #[cfg(test)]
