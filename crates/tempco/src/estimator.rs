@@ -223,6 +223,24 @@ mod tests {
         assert!((estimator.gain * expected - 1.0).abs() < 1e-5);
     }
 
+    #[test]
+    #[cfg_attr(miri, ignore = "many updates")]
+    fn what_is_tiny_changes_no_output() {
+        let thermal = Thermal::new(ThermalSettings::DEFAULT).unwrap();
+        let interval = Interval::new(&thermal, 1.0);
+        let mut estimators = [(); 2].map(|()| RateEstimator::new(&thermal, 25.0));
+        for update in 0..100_u16 * 60 {
+            let temp_c = 25.0 + f32::from(update % 7) * 0.01;
+            estimators[1].drop_tiny();
+            let [kept, dropped] = estimators
+                .each_mut()
+                .map(|estimator| estimator.update(&thermal, &interval, temp_c, 0.0, MOVED));
+            assert_eq!(kept.to_bits(), dropped.to_bits(), "{update}");
+        }
+        let left_out = estimators.map(|estimator| estimator.memory.remainder);
+        assert!(left_out[0] != 0.0 && left_out[1] == 0.0, "{left_out:?}");
+    }
+
     /// Newton's method by one step per update gets there whatever intervals come, in whatever
     /// order, and is never out of bounds on the way.
     #[test]

@@ -320,6 +320,24 @@ fn what_is_cut_off_or_spoilt_is_refused() {
 }
 
 #[test]
+fn what_is_wrong_with_a_row_comes_before_a_failure_to_read_on() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = good_csv(3000);
+    let mut lines: Vec<&str> = text.lines().collect();
+    // In the last part that is whole, which waits for the next one.
+    lines[2690] = "5,20,1,1";
+    let packed = gzip(lines.join("\n").as_bytes());
+    let path = write(folder.path(), "log.csv.gz", &packed[..packed.len() - 1]);
+    let error = read_in_parts(&path, 1 << 14, false)
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains(":2691:1: column `time_s`: 5 s after"),
+        "{error}"
+    );
+}
+
+#[test]
 fn bad_values_of_a_table_are_named_by_row_and_column() {
     let folder = tempfile::tempdir().unwrap();
     let csv = write(folder.path(), "csv", good_csv(100).as_bytes());
