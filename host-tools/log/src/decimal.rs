@@ -121,7 +121,7 @@ pub(super) fn short(text: &[u8], at: usize) -> Option<(f64, usize)> {
 /// A mantissa below 2^52 with its sign and decimals.
 ///
 /// It is exact, as is the power: the quotient is rounded once. The bits of the doubles from 2^52 on
-/// hold it as it is. The sign is that of the power, without a branch: noise about zero would take it
+/// hold it as it is. The power has the sign, so there is no branch, which noise about zero would take
 /// at random.
 #[inline(always)]
 fn quotient(mantissa: u64, sign: usize, decimals: usize) -> f64 {
