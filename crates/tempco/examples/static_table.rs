@@ -4,8 +4,8 @@
 //! Run it with `cargo run -p tempco --example static_table`.
 
 use tempco::{
-    Compensator, Interval, Status, Table, Terms, Thermal, ThermalSettings, TwoRateCompensator,
-    Validity,
+    Compensator, Corrector, Interval, RampBuffer, Status, Table, Terms, Thermal, ThermalHalf,
+    ThermalSettings, Validity,
 };
 
 /// What the fit found for a gyro of one axis; all that is not said keeps its default.
@@ -34,6 +34,8 @@ static TABLE: Table<1> = match Table::new(THERMAL, -40.0, 80.0, &CELLS) {
 
 /// Temperature at 10 Hz.
 const TENTH: Interval = Interval::new(&THERMAL, 0.1);
+/// From the main loop to the sampling interrupt.
+static RAMPS: RampBuffer<1> = RampBuffer::new();
 /// Gyro samples from one temperature to the next where the gyro runs at 1 kHz.
 const SAMPLES_PER_UPDATE: u16 = 100;
 
@@ -68,16 +70,17 @@ fn single_rate() {
 
 /// The gyro runs faster: the thermal work is done at 10 Hz, a subtraction for each sample.
 fn two_rate() {
-    let mut unit = TwoRateCompensator::new(&TABLE, SAMPLES_PER_UPDATE);
-    unit.start(temp_c(0));
-    let [mut bias] = unit.bias();
+    // The main loop's half, the interrupt's half, and what is between them.
+    let mut thermal = ThermalHalf::new(&TABLE, SAMPLES_PER_UPDATE);
+    let mut corrector = Corrector::new(&RAMPS);
+
+    let [mut bias] = thermal.start(temp_c(0)).end;
     let mut largest_step = 0.0_f32;
     for tenths in 1..=3000 {
-        unit.update(&TENTH, temp_c(tenths));
+        RAMPS.publish(&thermal.update(&TENTH, temp_c(tenths)));
         for _ in 0..SAMPLES_PER_UPDATE {
-            let [compensated] = unit.compensate([0.25]);
-            let [next] = unit.bias();
-            assert_eq!(compensated, 0.25 - next);
+            let [compensated] = corrector.correct([0.25]);
+            let next = 0.25 - compensated;
             largest_step = largest_step.max((next - bias).abs());
             bias = next;
         }
@@ -87,8 +90,9 @@ fn two_rate() {
     assert!(largest_step < 1e-5);
 
     // The sensor breaks. The status tells at once, and which class of fault it is.
-    unit.update(&TENTH, f32::NAN);
-    let status = unit.status();
+    RAMPS.publish(&thermal.update(&TENTH, f32::NAN));
+    corrector.correct([0.25]);
+    let status = corrector.status();
     for (flag, name) in Status::NAMES {
         if status.contains(flag) {
             println!("sensor broken: {name}");

@@ -1,6 +1,8 @@
-//! The two-rate pairs of all temperature channels, as a sampling interrupt and a host run them.
+//! The halves of all temperature channels.
 
-use crate::{Interval, Output, Status, Table, TwoRateCompensator};
+use crate::{
+    BiasRamp, Corrector, Interval, Output, RampBuffer, Status, Table, ThermalHalf, ThermalPoint,
+};
 
 /// How often a unit samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,17 +21,79 @@ impl Schedule {
     }
 }
 
-/// One two-rate compensator per temperature channel.
+/// The thermal half of each temperature channel.
 ///
-/// The first temperatures start every channel; they and all later ones then count as being one
-/// update interval after those before.
+/// The first temperatures start every channel, and count as being one time step after themselves.
 #[derive(Clone, Debug)]
+pub struct ThermalChannels<
+    't,
+    const C: usize,
+    const A: usize,
+    const PLAYS: usize = 0,
+    const SLOW: usize = 0,
+> {
+    tables: &'t [Table<'t, A, PLAYS, SLOW>; C],
+    halves: [ThermalHalf<'t, A, PLAYS, SLOW>; C],
+    is_started: bool,
+}
+
+impl<'t, const C: usize, const A: usize, const PLAYS: usize, const SLOW: usize>
+    ThermalChannels<'t, C, A, PLAYS, SLOW>
+{
+    /// Channels before their first temperatures.
+    pub fn new(tables: &'t [Table<'t, A, PLAYS, SLOW>; C], samples_per_update: u16) -> Self {
+        Self {
+            tables,
+            halves: tables
+                .each_ref()
+                .map(|table| ThermalHalf::new(table, samples_per_update)),
+            is_started: false,
+        }
+    }
+
+    /// The constant biases, to be applied before the first temperatures.
+    pub fn constant(&self) -> [BiasRamp<A>; C] {
+        self.tables.each_ref().map(ThermalHalf::constant)
+    }
+
+    /// Takes a temperature per channel, `dt_s` after the ones before; NaN where there is none
+    /// \[degC\].
+    pub fn update(&mut self, dt_s: f32, temps_c: &[f32; C]) -> [BiasRamp<A>; C] {
+        let is_first = !core::mem::replace(&mut self.is_started, true);
+        core::array::from_fn(|channel| {
+            let half = &mut self.halves[channel];
+            let temp_c = temps_c[channel];
+            if is_first {
+                half.start(temp_c);
+            }
+            let interval = Interval::new(self.tables[channel].thermal(), dt_s);
+            half.update(&interval, temp_c)
+        })
+    }
+
+    /// Where the models were evaluated at the last update.
+    pub fn points(&self) -> [ThermalPoint; C] {
+        self.halves.each_ref().map(ThermalHalf::point)
+    }
+
+    /// Temperatures rejected so far, over all channels.
+    pub fn rejected(&self) -> u32 {
+        let counts = self
+            .halves
+            .iter()
+            .map(|half| half.thermal_state().rejected());
+        counts.fold(0, u32::saturating_add)
+    }
+}
+
+/// Both halves of each temperature channel, for those who have the temperatures between the gyro
+/// samples: a host that computes what a unit does, and tests.
+#[derive(Debug)]
 pub struct Stream<'t, const C: usize, const A: usize, const PLAYS: usize = 0, const SLOW: usize = 0>
 {
-    tables: &'t [Table<'t, A, PLAYS, SLOW>; C],
-    units: [TwoRateCompensator<'t, A, PLAYS, SLOW>; C],
-    intervals: [Interval; C],
-    is_started: bool,
+    thermal: ThermalChannels<'t, C, A, PLAYS, SLOW>,
+    ramps: [RampBuffer<A>; C],
+    update_interval_s: f32,
 }
 
 impl<'t, const C: usize, const A: usize, const PLAYS: usize, const SLOW: usize>
@@ -37,63 +101,39 @@ impl<'t, const C: usize, const A: usize, const PLAYS: usize, const SLOW: usize>
 {
     /// A stream before its first temperatures: constant biases are taken out.
     pub fn new(tables: &'t [Table<'t, A, PLAYS, SLOW>; C], schedule: &Schedule) -> Self {
-        let dt_s = schedule.update_interval_s();
-        Self {
-            tables,
-            units: tables
-                .each_ref()
-                .map(|table| TwoRateCompensator::new(table, schedule.samples_per_update)),
-            intervals: tables
-                .each_ref()
-                .map(|table| Interval::new(table.thermal(), dt_s)),
-            is_started: false,
-        }
-    }
-
-    /// The tables it runs on.
-    pub const fn tables(&self) -> &'t [Table<'t, A, PLAYS, SLOW>; C] {
-        self.tables
+        let stream = Self {
+            thermal: ThermalChannels::new(tables, schedule.samples_per_update),
+            ramps: [const { RampBuffer::new() }; C],
+            update_interval_s: schedule.update_interval_s(),
+        };
+        stream.publish(&stream.thermal.constant());
+        stream
     }
 
     /// Takes a temperature per channel; NaN where there is none \[degC\].
-    ///
-    /// # Timing
-    /// No branch depends on the data but for the first call, which starts the channels.
     pub fn temperatures(&mut self, temps_c: &[f32; C]) {
-        let channels = self.units.iter_mut().zip(&self.intervals).zip(temps_c);
-        for ((unit, interval), temp_c) in channels {
-            if !self.is_started {
-                unit.start(*temp_c);
-            }
-            unit.update(interval, *temp_c);
+        let ramps = self.thermal.update(self.update_interval_s, temps_c);
+        self.publish(&ramps);
+    }
+
+    fn publish(&self, ramps: &[BiasRamp<A>; C]) {
+        for (buffer, ramp) in self.ramps.iter().zip(ramps) {
+            buffer.publish(ramp);
         }
-        self.is_started = true;
     }
 
     /// Takes one gyro sample per axis through every channel \[unit of each axis\].
-    ///
-    /// # Timing
-    /// No branch depends on the data.
-    #[inline]
     pub fn sample(&mut self, raw: &[[f32; A]; C]) -> [Output<A>; C] {
+        let points = self.thermal.points();
         core::array::from_fn(|channel| {
-            let unit = &mut self.units[channel];
             let raw = raw[channel];
+            let (bias, status) = Corrector::new(&self.ramps[channel]).advance::<1>();
             Output {
-                compensated: unit.compensate(raw),
-                bias: unit.bias(),
-                point: unit.point(),
-                status: unit.status() | Status::of_raw(&raw),
+                compensated: core::array::from_fn(|axis| raw[axis] - bias[axis]),
+                bias,
+                point: points[channel],
+                status: status | Status::of_raw(&raw),
             }
         })
-    }
-
-    /// Temperatures rejected so far, over all channels.
-    pub fn rejected(&self) -> u32 {
-        let counts = self
-            .units
-            .iter()
-            .map(|unit| unit.thermal_state().rejected());
-        counts.fold(0, u32::saturating_add)
     }
 }

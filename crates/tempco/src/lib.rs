@@ -73,29 +73,33 @@
 mod channels;
 mod compensator;
 mod conditioner;
+mod corrector;
 mod error;
 mod estimator;
 mod history;
 mod interval;
 mod pulses;
+mod ramp;
 mod settings;
 mod sign;
 mod status;
 mod table;
 mod thermal;
-mod two_rate;
+mod thermal_half;
 
 #[cfg(test)]
 extern crate std;
 
-pub use channels::{Schedule, Stream};
+pub use channels::{Schedule, Stream, ThermalChannels};
 pub use compensator::{Compensator, Output};
+pub use corrector::Corrector;
 pub use error::TableError;
 pub use history::{History, HistoryPoint, HistoryState, Play, SlowPart};
 pub use interval::Interval;
-pub use pulses::PulseCarry;
+pub use pulses::{PulseCorrector, PulseRamp};
+pub use ramp::{BiasRamp, Number, Ramp, RampBuffer};
 pub use settings::{Thermal, ThermalSettings};
 pub use status::{Status, Validity};
 pub use table::{MAX_AXES, MAX_CELLS, Place, Table, Terms};
 pub use thermal::{ThermalPoint, ThermalState};
-pub use two_rate::TwoRateCompensator;
+pub use thermal_half::ThermalHalf;

@@ -1,82 +1,116 @@
-//! Corrections in whole pulses, without losing the parts.
+//! The sample half for gyros that put out pulses: whole pulses in, whole pulses out.
 //!
-//! A gyro that puts out pulses takes corrections in pulses. Rounding each on its own would lose
-//! up to half a pulse per sample, a drift as large as the bias that is to go. A carry keeps what
-//! was not put out for the next sample.
+//! Rounding the bias of each sample on its own would lose up to half a pulse per sample, a drift as
+//! large as the bias that is to go. What a sample does not put out is carried to the next one.
 
-use core::hint::select_unpredictable;
+use crate::ramp::{Ramp, RampBuffer, not_negative};
+use crate::{BiasRamp, Status};
 
-/// Fractional bits of the carry.
-const FRACTION_BITS: u32 = 62;
+/// Fractional bits of a bias in pulses per sample, and of the carry.
+const FRACTION_BITS: u32 = 26;
+const PULSE: f32 = (1_u32 << FRACTION_BITS) as f32;
+/// The largest bias \[pulses per sample\]: so that the difference of two of them fits.
+const LARGEST: f32 = 15.0;
 
-/// Turns corrections in pulses per sample into whole pulses.
-///
-/// With `c` the correction of a sample \[pulses\] and `r` what is carried \[pulses\], 1/2 at the
-/// start so that the first sample is already rounded to the nearest:
-///
-/// ```text
-/// n = floor(r + c)        whole pulses to put out
-/// r = r + c - n           carried to the next sample, 0 to below 1
-/// ```
-///
-/// The sum of the pulses stays within half a pulse of the sum of the corrections, after any number
-/// of samples. The carry has 62 fractional bits and is exact for every f32 from 2^-38 pulses on; of
-/// smaller ones less than 2^-62 pulses per sample is lost. A correction that is not a number counts
-/// as none, and one beyond 2^30 pulses as 2^30: the carry itself can become neither.
-///
-/// The correction of a sample is its bias \[pulses/s\] times the sample interval \[s\]; the counts
-/// less the pulses are the compensated counts.
-///
-/// ```
-/// let mut carry = tempco::PulseCarry::new();
-/// let pulses: [i32; 8] = core::array::from_fn(|_| carry.pulses(0.25));
-/// assert_eq!(pulses, [0, 1, 0, 0, 0, 1, 0, 0]);
-/// ```
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct PulseCarry {
-    /// `r` \[2^-62 pulses\], 0 to below 1 pulse.
-    remainder: i64,
-}
+/// A ramp of biases in pulses per sample, in fixed point \[2^-26 pulses per sample\].
+pub type PulseRamp<const AXES: usize> = Ramp<i32, AXES>;
 
-impl Default for PulseCarry {
-    fn default() -> Self {
-        Self::new()
+impl<const AXES: usize> PulseRamp<AXES> {
+    /// Turns a ramp into pulses. `pulses_per_unit` is what one unit of each axis is in pulses per
+    /// gyro sample: for deg/h it is 1 / (scale factor \[arcsec/pulse\] * sample rate \[Hz\]).
+    ///
+    /// The resolution is 2^-26 pulses per sample, both of the bias and of its slope. So the
+    /// beginning of a ramp is off by 2^-26 of a pulse for each of its samples at most. A bias beyond
+    /// 15 pulses per sample counts as 15, and one that is not a number as none.
+    pub fn new(ramp: &BiasRamp<AXES>, pulses_per_unit: [f32; AXES]) -> Self {
+        let fixed = |bias: f32, axis: usize| {
+            let pulses = bias * pulses_per_unit[axis];
+            // The conversion makes 0 of NaN.
+            (pulses.clamp(-LARGEST, LARGEST) * PULSE) as i32
+        };
+        let samples = i32::from(ramp.samples.max(1));
+        let end = core::array::from_fn(|axis| fixed(ramp.end[axis], axis));
+        let slope = core::array::from_fn(|axis| {
+            let before = ramp.end[axis] - ramp.slope[axis] * samples as f32;
+            // Rounded towards zero: no bias of the ramp lies beyond its ends.
+            (end[axis] - fixed(before, axis)) / samples
+        });
+        Self {
+            end,
+            slope,
+            samples: ramp.samples,
+            status: ramp.status,
+        }
     }
 }
 
-impl PulseCarry {
-    /// A carry before its first sample.
-    pub const fn new() -> Self {
+/// Takes the bias out of whole pulses.
+///
+/// With `b` the bias of a sample along its ramp \[pulses\] and `r` what is carried \[pulses\], 1/2 at
+/// the start so that the first sample is already rounded to the nearest:
+///
+/// ```text
+/// n   = floor(r + b)        whole pulses of the bias
+/// out = raw - n
+/// r   = r + b - n           carried to the next sample, 0 to below 1
+/// ```
+///
+/// The sum of what comes out stays within half a pulse of the sum of `raw - b`, after any number of
+/// samples. All of it is integer arithmetic of 32 bits, without a division or a conversion. A
+/// difference beyond 32 bits wraps, as a position counter does: its sum modulo 2^32 stays right.
+///
+/// It takes over ramps and marks late ones as a [`Corrector`](crate::Corrector) does.
+///
+/// # Timing
+/// No branch depends on the data, nor on a take-over, on any Cortex-M.
+///
+/// ```
+/// use tempco::{BiasRamp, PulseCorrector, PulseRamp, RampBuffer, Status};
+///
+/// static RAMPS: RampBuffer<1, i32> = RampBuffer::new();
+/// let ramp = BiasRamp { end: [0.25], slope: [0.0], samples: 100, status: Status::OK };
+/// RAMPS.publish(&PulseRamp::new(&ramp, [1.0]));
+/// let mut corrector = PulseCorrector::new(&RAMPS);
+/// let out: [i32; 8] = core::array::from_fn(|_| corrector.correct([7])[0]);
+/// assert_eq!(out, [7, 6, 7, 7, 7, 6, 7, 7]);
+/// ```
+#[derive(Clone, Debug)]
+pub struct PulseCorrector<'r, const AXES: usize> {
+    ramps: &'r RampBuffer<AXES, i32>,
+    /// `r` \[2^-26 pulses\].
+    carried: [i32; AXES],
+}
+
+impl<'r, const AXES: usize> PulseCorrector<'r, AXES> {
+    /// The one reader of a buffer.
+    pub const fn new(ramps: &'r RampBuffer<AXES, i32>) -> Self {
         Self {
-            remainder: 1 << (FRACTION_BITS - 1),
+            ramps,
+            carried: [1 << (FRACTION_BITS - 1); AXES],
         }
     }
 
-    /// The whole pulses that a sample's correction \[pulses\] is worth, with what former samples
-    /// left over.
-    ///
-    /// # Timing
-    /// No branch depends on the data where the processor has an f32 unit: conversions to i32,
-    /// multiplications and selections.
-    #[inline]
-    pub fn pulses(&mut self, correction: f32) -> i32 {
-        const LARGEST: f32 = 1_073_741_824.0;
-        const SCALE: f32 = 2_147_483_648.0;
-        let correction = select_unpredictable(correction > LARGEST, LARGEST, correction);
-        let correction = select_unpredictable(correction < -LARGEST, -LARGEST, correction);
-        // Conversions round towards zero and make 0 of NaN; differences and scalings by powers of
-        // two are exact, so the three parts are the whole number.
-        let whole = correction as i32;
-        let rest = (correction - whole as f32) * SCALE;
-        let upper = rest as i32;
-        let lower = ((rest - upper as f32) * SCALE) as i32;
-        let fraction = (i64::from(upper) << 31).wrapping_add(i64::from(lower));
-        // Between -1 and 2 pulses, in 2^-62: below 2^63. Nothing here wraps, but the compiler
-        // does not know.
-        let sum = self.remainder.wrapping_add(fraction);
-        let carried = (sum >> FRACTION_BITS) as i32;
-        self.remainder = sum.wrapping_sub(i64::from(carried) << FRACTION_BITS);
-        whole.wrapping_add(carried)
+    /// Takes the pulses of one gyro sample and returns them without the bias.
+    #[inline(always)]
+    pub fn correct(&mut self, raw: [i32; AXES]) -> [i32; AXES] {
+        // Counts on until a late ramp is beyond doubt. A selection would be a branch on a Cortex-M0.
+        let passed = self.ramps.advance(|left| {
+            let is_far_beyond = left.wrapping_add(1 << 17).cast_unsigned() >> 31;
+            left.wrapping_add(is_far_beyond.cast_signed())
+                .wrapping_sub(1)
+        });
+        let to_end = not_negative(passed.left);
+        core::array::from_fn(|axis| {
+            let way = self.ramps.slope(&passed, axis).wrapping_mul(to_end);
+            let end = self.ramps.end(&passed, axis);
+            let sum = self.carried[axis].wrapping_add(end).wrapping_sub(way);
+            self.carried[axis] = sum & ((1 << FRACTION_BITS) - 1);
+            raw[axis].wrapping_sub(sum >> FRACTION_BITS)
+        })
+    }
+
+    /// Flags of the temperature, the range, and early or late ramps, as of the last gyro sample.
+    pub fn status(&self) -> Status {
+        self.ramps.status()
     }
 }

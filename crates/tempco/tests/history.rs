@@ -5,8 +5,7 @@ mod common;
 use common::*;
 use proptest::prelude::*;
 use tempco::{
-    Compensator, History, HistoryState, Interval, Play, SlowPart, Table, TableError,
-    TwoRateCompensator,
+    Compensator, History, HistoryState, Interval, Play, SlowPart, Table, TableError, ThermalHalf,
 };
 
 const PLAY: Play<2> = Play {
@@ -137,17 +136,17 @@ proptest! {
         temp in -39.0_f32..79.0,
     ) {
         let mut unit = Compensator::new(&WITH_HISTORY);
-        let mut pair = TwoRateCompensator::new(&WITH_HISTORY, 4);
+        let mut half = ThermalHalf::new(&WITH_HISTORY, 4);
         for before in before {
             unit.step(&SECOND, before, [0.0; 2]);
-            pair.update(&SECOND, before);
+            half.update(&SECOND, before);
         }
         unit.start(temp);
-        pair.start(temp);
+        let ramp = half.start(temp);
         let out = unit.step(&SECOND, temp, [0.0; 2]);
         let (table, _) = TABLE.bias(&out.point);
         prop_assert_eq!(out.bias, table);
-        prop_assert_eq!(pair.bias(), table);
+        prop_assert_eq!((ramp.end, ramp.slope), (table, [0.0; 2]));
     }
 }
 
@@ -277,19 +276,15 @@ fn a_lag_beyond_what_was_calibrated_is_held_there() {
 }
 
 #[test]
-fn both_compensators_end_at_the_same_bias() {
+fn both_rates_end_at_the_same_bias() {
     let mut unit = Compensator::new(&WITH_HISTORY);
-    let mut pair = TwoRateCompensator::new(&WITH_HISTORY, 4);
+    let mut half = ThermalHalf::new(&WITH_HISTORY, 4);
     unit.start(25.0);
-    pair.start(25.0);
+    half.start(25.0);
     for second in 0..600 {
         let temp = 25.0 + 10.0 * (second as f32 * 0.01).sin();
         let out = unit.step(&SECOND, temp, [0.0; 2]);
-        pair.update(&SECOND, temp);
-        for _ in 0..4 {
-            pair.compensate([0.0; 2]);
-        }
-        assert_eq!(pair.bias(), out.bias);
+        assert_eq!(half.update(&SECOND, temp).end, out.bias);
     }
 }
 

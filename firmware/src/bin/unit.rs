@@ -19,7 +19,7 @@ mod image {
     use tempco_firmware::sample_clock::SysTick;
     use tempco_firmware::stack;
     use tempco_firmware::unit::devices::{Gyro, ResetCause};
-    use tempco_firmware::unit::exchange::{Counts, Queues};
+    use tempco_firmware::unit::exchange::{Counts, Exchange};
     use tempco_firmware::unit::offsets::Offsets;
     use tempco_firmware::unit::rezero::Limits;
     use tempco_firmware::unit::storage::Storage;
@@ -86,22 +86,14 @@ mod image {
             tables.map_or(0, |(_, crc)| crc)
         );
 
-        // Sampling: queues to the main loop, scale of the gyro, offsets of re-zero.
-        let queues = singleton!(: Queues<CHANNELS, AXES> = Queues::new())?;
-        let (interrupt_ends, ends) = queues.split(&COUNTS);
+        // Sampling: ramps and queues, scale of the gyro, offsets of re-zero.
+        let exchange = singleton!(: Exchange<CHANNELS, AXES> = Exchange::new())?;
+        let (interrupt_ends, ends) = exchange.split(&COUNTS);
         let scale = scale::<BoardGyro, CHANNELS, AXES>(image.as_ref(), SCHEDULE.sample_rate_hz);
         let limits = Limits::of::<BoardGyro>(&scale, SCHEDULE.sample_rate_hz);
         let kept = storage.offsets(tables.map_or(0, |(_, crc)| crc));
         let offsets = Offsets::new(kept, limits);
-        let tables_only = tables.map(|(tables, _)| tables);
-        let sampling = Sampling::new(
-            gyro,
-            interrupt_ends,
-            tables_only,
-            SCHEDULE,
-            scale,
-            *offsets.in_use(),
-        );
+        let sampling = Sampling::new(gyro, interrupt_ends, scale);
         // In its place before the first interrupt, which would else have to move it.
         let sampling = singleton!(: BoardSampling = sampling)?;
 

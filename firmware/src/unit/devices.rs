@@ -2,8 +2,8 @@
 
 use embedded_io::{Read, ReadReady, Write};
 use embedded_storage::nor_flash::NorFlash;
+use tempco::Status;
 use tempco_link::FaultSet;
-use tempco_replay::Outcome;
 use tempco_sensors::SensorFault;
 use tempco_store::Region;
 
@@ -21,8 +21,9 @@ pub trait Gyro<const C: usize, const A: usize> {
     /// Counts since the last call, channel by channel.
     fn counts(&mut self) -> [[i32; A]; C];
 
-    /// Sends an outcome to where the unit's output goes.
-    fn put(&mut self, outcome: &Outcome<C, A>);
+    /// Sends a sample to where the unit's output goes: without its bias \[unit of the axis\], and the
+    /// flags of each channel.
+    fn put(&mut self, compensated: &[[f32; A]; C], status: &[Status; C]);
 }
 
 /// What a gyro shows at rest.

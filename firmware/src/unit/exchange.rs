@@ -3,33 +3,35 @@
 use core::sync::atomic::{AtomicU32, Ordering};
 
 use heapless::spsc::{Consumer, Producer, Queue};
+use tempco::{BiasRamp, RampBuffer, Status};
 use tempco_link::Losses;
-use tempco_replay::Outcome;
 
 /// Moments that may wait for the main loop: 63 ms at 2 kHz, more than a pass ever takes but for
 /// one that erases flash.
 const MOMENTS: usize = 128;
-/// Samples of a block, its temperatures, and one place that a queue cannot use.
+/// Samples of a block, and one place that a queue cannot use.
 const INJECTED: usize = 256;
 
-/// What the interrupt made of one sample.
+/// What the interrupt knows of one sample, and the main loop does not.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moment<const C: usize, const A: usize> {
     /// The gyro sample \[unit of the axis\].
     pub raw: [[f32; A]; C],
-    /// The outcome of the compensators.
-    pub outcome: Outcome<C, A>,
+    /// The bias that was taken out, with that of re-zero \[unit of the axis\].
+    pub bias: [[f32; A]; C],
+    /// Flags of the bias.
+    pub status: [Status; C],
 }
 
-/// What is replayed through the interrupt.
+/// What the interrupt made of a sample that was replayed.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Injected<const C: usize, const A: usize> {
-    /// The next sample is the first one after power-on.
-    Restart,
-    /// Temperatures; NaN where there is none \[degC\].
-    Temperatures([f32; C]),
-    /// A gyro sample \[unit of the axis\].
-    Sample([[f32; A]; C]),
+pub struct Reply<const C: usize, const A: usize> {
+    /// The sample without its bias \[unit of the axis\].
+    pub compensated: [[f32; A]; C],
+    /// The bias that was taken out \[unit of the axis\].
+    pub bias: [[f32; A]; C],
+    /// Flags of the bias.
+    pub status: [Status; C],
 }
 
 /// Counts of the sampling interrupt, for all to read.
@@ -41,12 +43,10 @@ pub struct Counts {
     pub missed: AtomicU32,
     /// Moments that found no place.
     pub lost_moments: AtomicU32,
-    /// Outcomes of replayed samples that found no place.
+    /// Replies to replayed samples that found no place.
     pub lost_replies: AtomicU32,
     /// Longest time from the interrupt to the output \[counts of the timer\].
     pub latency: AtomicU32,
-    /// Temperatures that the compensators rejected, of all channels.
-    pub rejected: AtomicU32,
 }
 
 impl Counts {
@@ -58,7 +58,6 @@ impl Counts {
             lost_moments: AtomicU32::new(0),
             lost_replies: AtomicU32::new(0),
             latency: AtomicU32::new(0),
-            rejected: AtomicU32::new(0),
         }
     }
 
@@ -83,41 +82,42 @@ impl Counts {
     }
 }
 
-/// The queues, before they are taken apart.
-pub struct Queues<const C: usize, const A: usize> {
-    temperatures: Queue<[f32; C], 4>,
-    offsets: Queue<[[f32; A]; C], 2>,
+/// All that goes from one to the other: biases of the gyro and of a replay as ramps, the rest in
+/// queues.
+pub struct Exchange<const C: usize, const A: usize> {
+    ramps: [RampBuffer<A>; C],
+    replay_ramps: [RampBuffer<A>; C],
     moments: Queue<Moment<C, A>, MOMENTS>,
-    injected: Queue<Injected<C, A>, INJECTED>,
-    replies: Queue<Outcome<C, A>, INJECTED>,
+    injected: Queue<[[f32; A]; C], INJECTED>,
+    replies: Queue<Reply<C, A>, INJECTED>,
 }
 
 /// The interrupt's ends.
 pub struct InterruptEnds<'q, const C: usize, const A: usize> {
-    pub(super) temperatures: Consumer<'q, [f32; C]>,
-    pub(super) offsets: Consumer<'q, [[f32; A]; C]>,
+    pub(super) ramps: &'q [RampBuffer<A>; C],
+    pub(super) replay_ramps: &'q [RampBuffer<A>; C],
     pub(super) moments: Producer<'q, Moment<C, A>>,
-    pub(super) injected: Consumer<'q, Injected<C, A>>,
-    pub(super) replies: Producer<'q, Outcome<C, A>>,
+    pub(super) injected: Consumer<'q, [[f32; A]; C]>,
+    pub(super) replies: Producer<'q, Reply<C, A>>,
     pub(super) counts: &'q Counts,
 }
 
 /// The main loop's ends.
 pub struct MainEnds<'q, const C: usize, const A: usize> {
-    pub(super) temperatures: Producer<'q, [f32; C]>,
-    pub(super) offsets: Producer<'q, [[f32; A]; C]>,
+    pub(super) ramps: &'q [RampBuffer<A>; C],
+    pub(super) replay_ramps: &'q [RampBuffer<A>; C],
     pub(super) moments: Consumer<'q, Moment<C, A>>,
-    pub(super) injected: Producer<'q, Injected<C, A>>,
-    pub(super) replies: Consumer<'q, Outcome<C, A>>,
+    pub(super) injected: Producer<'q, [[f32; A]; C]>,
+    pub(super) replies: Consumer<'q, Reply<C, A>>,
     pub(super) counts: &'q Counts,
 }
 
-impl<const C: usize, const A: usize> Queues<C, A> {
-    /// Empty queues.
+impl<const C: usize, const A: usize> Exchange<C, A> {
+    /// Empty queues, and no biases.
     pub const fn new() -> Self {
         Self {
-            temperatures: Queue::new(),
-            offsets: Queue::new(),
+            ramps: [const { RampBuffer::new() }; C],
+            replay_ramps: [const { RampBuffer::new() }; C],
             moments: Queue::new(),
             injected: Queue::new(),
             replies: Queue::new(),
@@ -129,22 +129,21 @@ impl<const C: usize, const A: usize> Queues<C, A> {
         &'q mut self,
         counts: &'q Counts,
     ) -> (InterruptEnds<'q, C, A>, MainEnds<'q, C, A>) {
-        let temperatures = self.temperatures.split();
-        let offsets = self.offsets.split();
+        let (ramps, replay_ramps) = (&self.ramps, &self.replay_ramps);
         let moments = self.moments.split();
         let injected = self.injected.split();
         let replies = self.replies.split();
         let interrupt = InterruptEnds {
-            temperatures: temperatures.1,
-            offsets: offsets.1,
+            ramps,
+            replay_ramps,
             moments: moments.0,
             injected: injected.1,
             replies: replies.0,
             counts,
         };
         let main = MainEnds {
-            temperatures: temperatures.0,
-            offsets: offsets.0,
+            ramps,
+            replay_ramps,
             moments: moments.1,
             injected: injected.0,
             replies: replies.1,
@@ -154,8 +153,18 @@ impl<const C: usize, const A: usize> Queues<C, A> {
     }
 }
 
-impl<const C: usize, const A: usize> Default for Queues<C, A> {
+impl<const C: usize, const A: usize> Default for Exchange<C, A> {
     fn default() -> Self {
         Self::new()
+    }
+}
+
+/// Publishes a ramp for each channel.
+pub(super) fn publish<const C: usize, const A: usize>(
+    buffers: &[RampBuffer<A>; C],
+    ramps: &[BiasRamp<A>; C],
+) {
+    for (buffer, ramp) in buffers.iter().zip(ramps) {
+        buffer.publish(ramp);
     }
 }

@@ -3,10 +3,8 @@
 
 use core::hint::black_box;
 
-use tempco::{Play, Schedule, SlowPart, Table, Terms, Thermal, ThermalSettings};
+use tempco::{Play, Schedule, SlowPart, Stream, Table, Terms, Thermal, ThermalSettings};
 use tempco_image::CRC;
-
-use super::UnitStream;
 
 /// CRC-32P4 of the outcomes, as every host and target finds it.
 const ANSWER: u32 = 0x62f7feea;
@@ -55,7 +53,7 @@ fn answer() -> Option<u32> {
         sample_rate_hz: 20.0,
         samples_per_update: 4,
     };
-    let mut stream = UnitStream::new(&tables, &schedule);
+    let mut stream = Stream::new(&tables, &schedule);
     let mut digest = CRC.digest();
     let mut temp_c = -30.0_f32;
     for number in 0..120_u8 {

@@ -25,7 +25,7 @@ impl<const C: usize, const A: usize> Default for Mean<C, A> {
 
 impl<const C: usize, const A: usize> Mean<C, A> {
     /// Takes values, channel by channel.
-    pub(super) fn add(&mut self, values: [&[f32; A]; C]) {
+    pub(super) fn add(&mut self, values: &[[f32; A]; C]) {
         for (block, values) in self.block.iter_mut().zip(values) {
             for (sum, value) in block.iter_mut().zip(values) {
                 *sum += value;
@@ -70,7 +70,7 @@ mod tests {
         let mut mean = Mean::<1, 2>::default();
         for number in 0..7_200_000_u32 {
             let noise = (number % 7) as f32 - 3.0;
-            mean.add([&[0.013 + noise, 1234.5]]);
+            mean.add(&[[0.013 + noise, 1234.5]]);
         }
         let [[small, large]] = mean.means();
         assert!((small - 0.013).abs() < 1e-6, "{small}");

@@ -1,14 +1,14 @@
 //! The application of gyro electronics: compensates every sample, and looks after itself.
 //!
 //! ```text
-//! sampling interrupt, 2 kHz   counts -> compensate -> output     Sampling
-//!        ^ temperatures | moments v      (heapless queues, one producer and one consumer each)
-//! main loop                   thermometers, link, store, health  Unit
+//! sampling interrupt, 2 kHz   counts -> subtract the bias -> output    Sampling
+//!        ^ ramps of the bias | moments v     (one writer and one reader each)
+//! main loop   thermometers -> thermal half; link, store, health        Unit
 //! ```
 //!
 //! - [`devices`]: what it needs of a board
 //! - [`Sampling`]: all that the interrupt does
-//! - [`exchange`]: the queues between interrupt and main loop
+//! - [`exchange`]: what goes between interrupt and main loop
 //! - [`Unit`]: the main loop, one pass at a time; its work is in `service`, with `requests` of the
 //!   link, `replays` of logs and `self_test` apart
 //! - [`storage`]: tables, fault log and offsets in the flash
@@ -21,7 +21,7 @@
 //!
 //! # Why neither RTIC nor Embassy
 //! There is one interrupt with a deadline, and everything else has the time of a main loop; the
-//! two share nothing but queues. An executor would add its own code between the timer and the
+//! two share nothing but ramps and queues. An executor would add its own code between the timer and the
 //! sample, and RTIC's resources would tie this code to the interrupts of one chip.
 
 pub mod devices;
@@ -49,7 +49,7 @@ pub use main_loop::{Next, Unit};
 pub use parts::{Parts, scale};
 pub use sampling::Sampling;
 
-use tempco::{Schedule, Stream, Table};
+use tempco::{Schedule, Table, ThermalChannels};
 use tempco_image::{MAX_PLAYS, MAX_SLOW_PARTS};
 
 use crate::table;
@@ -80,6 +80,6 @@ pub type UnitTable<'t, const A: usize> = Table<'t, A, MAX_PLAYS, MAX_SLOW_PARTS>
 /// The tables of all channels.
 pub type UnitTables<'t, const C: usize, const A: usize> = [UnitTable<'t, A>; C];
 
-/// The compensators of all channels.
-pub type UnitStream<'t, const C: usize, const A: usize> =
-    Stream<'t, C, A, MAX_PLAYS, MAX_SLOW_PARTS>;
+/// The thermal halves of all channels.
+pub type UnitThermal<'t, const C: usize, const A: usize> =
+    ThermalChannels<'t, C, A, MAX_PLAYS, MAX_SLOW_PARTS>;

@@ -56,7 +56,7 @@ impl<const C: usize, const A: usize> Offsets<C, A> {
     /// from now on, which are what it found and those in use, or why it was given up.
     pub fn add(
         &mut self,
-        compensated: [&[f32; A]; C],
+        compensated: &[[f32; A]; C],
         status: Status,
     ) -> Option<Result<[[f32; A]; C], GivenUp>> {
         let ended = self.rezero.as_mut()?.add(compensated, status).transpose()?;

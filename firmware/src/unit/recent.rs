@@ -1,31 +1,34 @@
 //! The samples since the last message of telemetry.
 
-use tempco_link::{Axes, Channels, Outcome};
+use tempco::Status;
 
 use super::exchange::Moment;
 use super::mean::Mean;
-use super::wire::{axes, channels};
 
-/// Means since the last message, and the last sample.
+/// Means since the last message, and the last sample's flags.
 #[derive(Default)]
 pub(super) struct Recent<const C: usize, const A: usize> {
     raw: Mean<C, A>,
     bias: Mean<C, A>,
-    compensated: Mean<C, A>,
-    last: Option<Moment<C, A>>,
+    status: Option<[Status; C]>,
     /// Time of the last message.
     sent_ms: Option<u32>,
+}
+
+/// What a message says of them.
+pub(super) struct Means<const C: usize, const A: usize> {
+    pub(super) raw: [[f32; A]; C],
+    pub(super) bias: [[f32; A]; C],
+    /// None before the first sample.
+    pub(super) status: Option<[Status; C]>,
 }
 
 impl<const C: usize, const A: usize> Recent<C, A> {
     /// Takes a sample.
     pub(super) fn add(&mut self, moment: &Moment<C, A>) {
-        let channels = moment.outcome.channels.each_ref();
-        self.raw.add(moment.raw.each_ref());
-        self.bias.add(channels.map(|channel| &channel.bias));
-        self.compensated
-            .add(channels.map(|channel| &channel.compensated));
-        self.last = Some(*moment);
+        self.raw.add(&moment.raw);
+        self.bias.add(&moment.bias);
+        self.status = Some(moment.status);
     }
 
     /// Whether there is a sample, and a later time, since the last message.
@@ -33,18 +36,14 @@ impl<const C: usize, const A: usize> Recent<C, A> {
         self.raw.count() > 0 && self.sent_ms != Some(now_ms)
     }
 
-    /// The means of the samples and of their outcomes, for a message that is sent now.
-    pub(super) fn take(&mut self, now_ms: u32) -> (Axes, Outcome) {
+    /// The means for a message that is sent now.
+    pub(super) fn take(&mut self, now_ms: u32) -> Means<C, A> {
         self.sent_ms = Some(now_ms);
-        let mean = |mean: &mut Mean<C, A>| axes(&core::mem::take(mean).means());
-        let outcome = Outcome {
-            channels: match &self.last {
-                Some(moment) => channels(&moment.outcome),
-                None => Channels::new(),
-            },
+        let mean = |mean: &mut Mean<C, A>| core::mem::take(mean).means();
+        Means {
+            raw: mean(&mut self.raw),
             bias: mean(&mut self.bias),
-            compensated: mean(&mut self.compensated),
-        };
-        (mean(&mut self.raw), outcome)
+            status: self.status,
+        }
     }
 }

@@ -1,13 +1,17 @@
 //! Logs in place of the gyro: rows through a compensator of their own, blocks through the sampling
 //! interrupt.
 
-use tempco_link::{Outcome, OutcomeBlock, Refusal, Response, Sample, SampleBlock};
-use tempco_replay::{Outcome as Replayed, Replay, Sample as ReplayedSample};
+use tempco::{Output, ThermalPoint};
+use tempco_link::{
+    ChannelTelemetry, Channels, Outcome, OutcomeBlock, Refusal, Response, Sample, SampleBlock,
+};
+use tempco_replay::{ChannelOutcome, Outcome as Replayed, Replay, Sample as ReplayedSample};
 
+use super::UnitThermal;
 use super::devices::{Flash, SampleClock, Thermometers};
-use super::exchange::Injected;
+use super::exchange::{Reply, publish};
 use super::service::Service;
-use super::wire::{array, axes, channels, per_axis};
+use super::wire::{array, axes, per_axis};
 
 impl<F, T, K, const C: usize, const A: usize> Service<'_, F, T, K, C, A>
 where
@@ -18,7 +22,13 @@ where
     /// The next sample or block is the first one after power-on.
     pub(super) fn restart(&mut self) {
         self.replay = None;
-        self.inject(Injected::Restart);
+        let samples_per_update = self.schedule.samples_per_update;
+        self.replay_thermal = self
+            .tables
+            .map(|(tables, _)| UnitThermal::new(tables, samples_per_update));
+        if let Some(thermal) = &self.replay_thermal {
+            publish(self.ends.replay_ramps, &thermal.constant());
+        }
     }
 
     /// One row of any log.
@@ -39,7 +49,7 @@ where
             axes(&outcome.channels.each_ref().map(part))
         };
         Response::Outcome(Outcome {
-            channels: channels(&outcome),
+            channels: states(&outcome),
             bias: of(|channel| channel.bias),
             compensated: of(|channel| channel.compensated),
         })
@@ -55,22 +65,28 @@ where
         let Some(mut values) = values else {
             return Response::Refused(Refusal::Unknown);
         };
-        if let Some(temps_c) = temps_c {
-            self.inject(Injected::Temperatures(temps_c));
+        // All replies to former samples have come, so that the interrupt takes the ramps over with
+        // the first sample of this block.
+        if let (Some(temps_c), Some(thermal)) = (temps_c, &mut self.replay_thermal) {
+            let ramps = thermal.update(self.schedule.update_interval_s(), &temps_c);
+            publish(self.ends.replay_ramps, &ramps);
         }
         let samples = values.len() / (C * A);
         for _ in 0..samples {
             let raw = core::array::from_fn(|_| {
                 core::array::from_fn(|_| values.next().unwrap_or(f32::NAN))
             });
-            self.inject(Injected::Sample(raw));
+            // Cannot fail: the queue has room for a block, and is empty between two.
+            _ = self.ends.injected.enqueue(raw);
         }
+        let points = self.points(self.replay_thermal.as_ref());
         self.block.clear();
         let mut last = None;
         for _ in 0..samples {
-            let Some(outcome) = self.reply(block.real_time) else {
+            let Some(reply) = self.reply(block.real_time) else {
                 return Response::Refused(Refusal::Busy);
             };
+            let outcome = outcome(&points, &reply);
             for value in outcome
                 .channels
                 .iter()
@@ -85,25 +101,20 @@ where
             return Response::Refused(Refusal::Unknown);
         };
         Response::Block(OutcomeBlock {
-            channels: channels(&last),
+            channels: states(&last),
             bias: axes(&last.channels.each_ref().map(|channel| channel.bias)),
             compensated: &self.block,
         })
     }
 
-    /// Cannot fail: the queue has room for a block, and is empty between two.
-    fn inject(&mut self, injected: Injected<C, A>) {
-        _ = self.ends.injected.enqueue(injected);
-    }
-
     /// What the interrupt made of the next injected sample; none if it did not come in time.
-    fn reply(&mut self, real_time: bool) -> Option<Replayed<C, A>> {
+    fn reply(&mut self, real_time: bool) -> Option<Reply<C, A>> {
         const LATEST: u32 = 4;
         let from = self.ends.counts.samples();
         // Other interrupts end a sleep too, so it is the gyro's samples that count.
         while self.ends.counts.samples().wrapping_sub(from) < LATEST {
-            if let Some(outcome) = self.ends.replies.dequeue() {
-                return Some(outcome);
+            if let Some(reply) = self.ends.replies.dequeue() {
+                return Some(reply);
             }
             if real_time {
                 self.clock.sleep();
@@ -114,4 +125,28 @@ where
         }
         None
     }
+}
+
+/// A reply with what the thermal half knows.
+fn outcome<const C: usize, const A: usize>(
+    points: &[ThermalPoint; C],
+    reply: &Reply<C, A>,
+) -> Replayed<C, A> {
+    let channel = |channel: usize| Output {
+        compensated: reply.compensated[channel],
+        bias: reply.bias[channel],
+        point: points[channel],
+        status: reply.status[channel],
+    };
+    core::array::from_fn(channel).into()
+}
+
+/// The state of each channel.
+fn states<const C: usize, const A: usize>(outcome: &Replayed<C, A>) -> Channels<ChannelTelemetry> {
+    let state = |channel: &ChannelOutcome<A>| ChannelTelemetry {
+        effective_c: channel.effective_c,
+        rate_c_per_min: channel.rate_c_per_min,
+        status: channel.flags().bits(),
+    };
+    outcome.channels.iter().map(state).collect()
 }

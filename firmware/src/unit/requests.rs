@@ -143,10 +143,10 @@ where
         }
     }
 
-    /// Whether offsets can be changed: no averaging is under way, and the interrupt has taken the
+    /// Whether offsets can be changed: no averaging is under way, and the interrupt takes out the
     /// ones before.
     fn can_change_offsets(&self) -> bool {
-        !self.offsets.is_averaging() && self.ends.offsets.ready()
+        !self.offsets.is_averaging() && !self.has_new_offsets
     }
 
     fn clear_offsets(&mut self) -> Result<(), Refusal> {

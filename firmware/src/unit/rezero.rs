@@ -93,7 +93,7 @@ impl<const C: usize, const A: usize> Scatter<C, A> {
     /// of a short mean.
     fn add(
         &mut self,
-        values: [&[f32; A]; C],
+        values: &[[f32; A]; C],
         samples: u32,
         sigma: &[[f32; A]; C],
     ) -> Option<usize> {
@@ -164,7 +164,7 @@ impl<const C: usize, const A: usize> ReZero<C, A> {
     /// The unit is not valid, or not at rest; the averaging has ended.
     pub fn add(
         &mut self,
-        values: [&[f32; A]; C],
+        values: &[[f32; A]; C],
         status: Status,
     ) -> Result<Option<[[f32; A]; C]>, GivenUp> {
         if status.validity() != Validity::Valid {
@@ -203,9 +203,9 @@ mod tests {
     #[test]
     fn what_the_gyro_should_show_is_no_bias() {
         let mut rezero = ReZero::new(3, [[15.0]], 1, LIMITS);
-        assert_eq!(rezero.add([&[15.5]], Status::OK), Ok(None));
-        assert_eq!(rezero.add([&[16.0]], Status::OK), Ok(None));
-        assert_eq!(rezero.add([&[16.5]], Status::OK), Ok(Some([[1.0]])));
+        assert_eq!(rezero.add(&[[15.5]], Status::OK), Ok(None));
+        assert_eq!(rezero.add(&[[16.0]], Status::OK), Ok(None));
+        assert_eq!(rezero.add(&[[16.5]], Status::OK), Ok(Some([[1.0]])));
     }
 
     /// Any flag that is not valid, at any sample, ends it.
@@ -216,10 +216,10 @@ mod tests {
             for place in 0..10 {
                 let mut rezero = ReZero::new(10, [[0.0]], 2, LIMITS);
                 for _ in 0..place {
-                    assert_eq!(rezero.add([&[0.5]], Status::OK), Ok(None));
+                    assert_eq!(rezero.add(&[[0.5]], Status::OK), Ok(None));
                 }
                 let given_up = GivenUp::Status(status.bits());
-                assert_eq!(rezero.add([&[0.5]], status), Err(given_up));
+                assert_eq!(rezero.add(&[[0.5]], status), Err(given_up));
             }
         }
     }
@@ -243,14 +243,14 @@ mod tests {
                     -sigmas
                 };
                 let sample = if number % 2 == 0 { 100.0 } else { -100.0 };
-                let added = rezero.add([&[1000.0 + mean + sample]], Status::OK);
+                let added = rezero.add(&[[1000.0 + mean + sample]], Status::OK);
                 assert!(matches!(added, Ok(_) | Err(GivenUp::Scatter(0))));
                 added.is_err()
             });
             assert_eq!(ended, ends, "{sigmas}");
         }
         let mut rezero = ReZero::new(1000, [[0.0]], 1, LIMITS);
-        let ended = (0..8).any(|_| rezero.add([&[f32::NAN]], Status::OK).is_err());
+        let ended = (0..8).any(|_| rezero.add(&[[f32::NAN]], Status::OK).is_err());
         assert!(ended, "a NaN scatters");
     }
 

@@ -2,59 +2,35 @@
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
-use tempco::{Schedule, Status};
-use tempco_replay::{ChannelOutcome, Outcome};
+use tempco::{Corrector, Status};
 
 use super::devices::{Gyro, SampleClock};
-use super::exchange::{Injected, InterruptEnds, Moment};
-use super::{UnitStream, UnitTables};
+use super::exchange::{InterruptEnds, Moment, Reply};
 
 /// The interrupt's own state. Nothing in it waits, and nothing depends on what a sample is.
 pub struct Sampling<'t, G, const C: usize, const A: usize> {
     gyro: G,
     ends: InterruptEnds<'t, C, A>,
-    schedule: Schedule,
     /// From counts to the unit of the axis.
     scale: [[f32; A]; C],
-    /// Constant biases found by re-zero \[unit of the axis\].
-    offsets: [[f32; A]; C],
-    /// Without a table there is nothing to take out.
-    gyro_stream: Option<UnitStream<'t, C, A>>,
-    replay_stream: Option<UnitStream<'t, C, A>>,
-    /// Before the first replay, so that each begins alike.
-    fresh: Option<UnitStream<'t, C, A>>,
+    correctors: [Corrector<'t, A>; C],
+    replay_correctors: [Corrector<'t, A>; C],
     /// The free-running counter at the last sample, and when the period of that began.
     free: u32,
     begun: u32,
-    /// Samples until the next temperatures are due.
-    until_update: u16,
-    has_temperatures: bool,
 }
 
 impl<'t, G: Gyro<C, A>, const C: usize, const A: usize> Sampling<'t, G, C, A> {
     /// The state before the first interrupt. `scale` turns counts into the unit of each axis.
-    pub fn new(
-        gyro: G,
-        ends: InterruptEnds<'t, C, A>,
-        tables: Option<&'t UnitTables<'t, C, A>>,
-        schedule: Schedule,
-        scale: [[f32; A]; C],
-        offsets: [[f32; A]; C],
-    ) -> Self {
-        let fresh = tables.map(|tables| UnitStream::new(tables, &schedule));
+    pub fn new(gyro: G, ends: InterruptEnds<'t, C, A>, scale: [[f32; A]; C]) -> Self {
         Self {
             gyro,
-            ends,
-            schedule,
             scale,
-            offsets,
-            gyro_stream: fresh.clone(),
-            replay_stream: fresh.clone(),
-            fresh,
+            correctors: ends.ramps.each_ref().map(Corrector::new),
+            replay_correctors: ends.replay_ramps.each_ref().map(Corrector::new),
+            ends,
             free: 0,
             begun: 0,
-            until_update: 0,
-            has_temperatures: false,
         }
     }
 
@@ -72,17 +48,19 @@ impl<'t, G: Gyro<C, A>, const C: usize, const A: usize> Sampling<'t, G, C, A> {
         let entry = clock.since_interrupt();
         if is_due {
             let counts = self.gyro.counts();
-            let moment = self.measure(counts);
-            self.gyro.put(&moment.outcome);
+            let raw = self.scaled(counts);
+            let (bias, status) = advance(&mut self.correctors);
+            self.gyro.put(&difference(&raw, &bias), &status);
             let output = clock.since_interrupt();
             // The timer may have come round meanwhile.
             let round = if output < entry { clock.period() } else { 0 };
             raise(&self.ends.counts.latency, output + round);
+            add(&self.ends.counts.samples, 1);
+            let moment = Moment { raw, bias, status };
             if self.ends.moments.enqueue(moment).is_err() {
                 add(&self.ends.counts.lost_moments, 1);
             }
             self.count_missed::<K>(free, entry, clock.period());
-            self.prepare();
         }
         self.replay();
     }
@@ -103,68 +81,44 @@ impl<'t, G: Gyro<C, A>, const C: usize, const A: usize> Sampling<'t, G, C, A> {
         add(&self.ends.counts.missed, periods.saturating_sub(1));
     }
 
-    fn measure(&mut self, counts: [[i32; A]; C]) -> Moment<C, A> {
+    fn scaled(&self, counts: [[i32; A]; C]) -> [[f32; A]; C] {
         let each =
             |channel: usize, axis: usize| counts[channel][axis] as f32 * self.scale[channel][axis];
-        let raw = core::array::from_fn(|channel| core::array::from_fn(|axis| each(channel, axis)));
-        let mut outcome = sample(self.gyro_stream.as_mut(), &raw);
-        for (channel, offsets) in outcome.channels.iter_mut().zip(&self.offsets) {
-            for (value, offset) in channel.compensated.iter_mut().zip(offsets) {
-                *value -= offset;
-            }
-        }
-        add(&self.ends.counts.samples, 1);
-        Moment { raw, outcome }
+        core::array::from_fn(|channel| core::array::from_fn(|axis| each(channel, axis)))
     }
 
-    /// All that the next sample needs and this one need not wait for: offsets, and on schedule
-    /// temperatures; where the main loop has sent none in time, they count as missing.
-    fn prepare(&mut self) {
-        if let Some(offsets) = self.ends.offsets.dequeue() {
-            self.offsets = offsets;
-        }
-        if !self.has_temperatures {
-            // Half a period after the first ones were there, so that the main loop may be late by
-            // as much with all that follow.
-            self.has_temperatures = self.ends.temperatures.ready();
-            self.until_update = self.schedule.samples_per_update / 2;
-            return;
-        }
-        if let Some(left) = self.until_update.checked_sub(1) {
-            self.until_update = left;
-            return;
-        }
-        let found = self.ends.temperatures.dequeue();
-        self.until_update = self.schedule.samples_per_update.saturating_sub(1);
-        if let Some(stream) = &mut self.gyro_stream {
-            stream.temperatures(&found.unwrap_or([f32::NAN; C]));
-            self.ends
-                .counts
-                .rejected
-                .store(stream.rejected(), Ordering::Relaxed);
-        }
-    }
-
+    /// One sample per interrupt, as of the gyro.
     fn replay(&mut self) {
-        while let Some(injected) = self.ends.injected.dequeue() {
-            match injected {
-                Injected::Restart => self.replay_stream.clone_from(&self.fresh),
-                Injected::Temperatures(temps_c) => {
-                    if let Some(stream) = &mut self.replay_stream {
-                        stream.temperatures(&temps_c);
-                    }
-                }
-                Injected::Sample(raw) => {
-                    let outcome = sample(self.replay_stream.as_mut(), &raw);
-                    if self.ends.replies.enqueue(outcome).is_err() {
-                        add(&self.ends.counts.lost_replies, 1);
-                    }
-                    // One sample per interrupt, as of the gyro.
-                    return;
-                }
-            }
+        let Some(raw) = self.ends.injected.dequeue() else {
+            return;
+        };
+        let (bias, status) = advance(&mut self.replay_correctors);
+        let reply = Reply {
+            compensated: difference(&raw, &bias),
+            bias,
+            status: core::array::from_fn(|channel| status[channel] | Status::of_raw(&raw[channel])),
+        };
+        if self.ends.replies.enqueue(reply).is_err() {
+            add(&self.ends.counts.lost_replies, 1);
         }
     }
+}
+
+/// The biases of the next sample, and their flags.
+fn advance<const C: usize, const A: usize>(
+    correctors: &mut [Corrector<'_, A>; C],
+) -> ([[f32; A]; C], [Status; C]) {
+    let next = correctors.each_mut().map(Corrector::advance::<1>);
+    (next.map(|(bias, _)| bias), next.map(|(_, status)| status))
+}
+
+fn difference<const C: usize, const A: usize>(
+    raw: &[[f32; A]; C],
+    bias: &[[f32; A]; C],
+) -> [[f32; A]; C] {
+    core::array::from_fn(|channel| {
+        core::array::from_fn(|axis| raw[channel][axis] - bias[channel][axis])
+    })
 }
 
 /// Load and store suffice: there is one writer.
@@ -181,34 +135,15 @@ fn raise(highest: &AtomicU32, value: u32) {
     );
 }
 
-/// Without a table the sample goes out as it is, and is marked as not to be used.
-fn sample<const C: usize, const A: usize>(
-    stream: Option<&mut UnitStream<'_, C, A>>,
-    raw: &[[f32; A]; C],
-) -> Outcome<C, A> {
-    match stream {
-        Some(stream) => stream.sample(raw).into(),
-        None => Outcome {
-            channels: raw.map(|raw| ChannelOutcome {
-                effective_c: f32::NAN,
-                rate_c_per_min: f32::NAN,
-                status: u32::from((Status::TEMPERATURE_LOST | Status::of_raw(&raw)).bits()),
-                bias: [0.0; A],
-                compensated: raw,
-            }),
-        },
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use core::cell::Cell;
     use std::rc::Rc;
 
-    use tempco::{Table, Terms, Thermal, ThermalSettings};
+    use tempco::BiasRamp;
 
     use super::super::devices::AtRest;
-    use super::super::exchange::{Counts, Queues};
+    use super::super::exchange::{Counts, Exchange, publish};
     use super::*;
 
     const PERIOD: u32 = 1000;
@@ -231,7 +166,7 @@ mod tests {
             [[0]]
         }
 
-        fn put(&mut self, _: &Outcome<1, 1>) {
+        fn put(&mut self, _: &[[f32; 1]; 1], _: &[Status; 1]) {
             self.now.set(self.now.get().wrapping_add(self.takes.get()));
         }
     }
@@ -269,52 +204,44 @@ mod tests {
         }
     }
 
-    const SCHEDULE: Schedule = Schedule {
-        sample_rate_hz: 100.0,
-        samples_per_update: 10,
-    };
-
     #[test]
-    fn temperatures_that_do_not_come_count_as_missing() {
-        const CELLS: [[Terms; 1]; 1] = [[Terms::new([1.0, 0.0, 0.0], [0.0, 0.0])]];
-        let thermal = Thermal::new(ThermalSettings::DEFAULT).unwrap();
-        let table = Table::new(thermal, -40.0, 80.0, &CELLS).unwrap();
-        let none = tempco::Play {
-            half_width_c: 0.0,
-            gain: [0.0],
-        };
-        let slow = tempco::SlowPart {
-            tau_s: 600.0,
-            limit_c: 0.0,
-            gain: [0.0],
-        };
-        let tables = [table.with_history([none; 2], [slow]).unwrap()];
+    fn what_is_published_is_taken_out_from_the_next_sample_on() {
         let counts = Counts::new();
-        let mut queues = Queues::new();
-        let (ends, mut main) = queues.split(&counts);
+        let mut exchange = Exchange::new();
+        let (ends, mut main) = exchange.split(&counts);
         let (now, takes) = (Rc::new(Cell::new(0)), Rc::default());
         let gyro = Slow {
             now: now.clone(),
             takes,
         };
-        let (unit, zero) = ([[1.0]], [[0.0]]);
-        let mut sampling = Sampling::new(gyro, ends, Some(&tables), SCHEDULE, unit, zero);
+        let mut sampling = Sampling::new(gyro, ends, [[1.0]]);
         let clock = Clock::<PERIOD>(now.clone());
-        let mut status = |count: u32| {
-            let mut last = Status::OK;
-            for _ in 0..count {
-                now.set(now.get() + PERIOD);
-                sampling.interrupt(true, &clock);
-                last = main.moments.dequeue().unwrap().outcome.channels[0].flags();
-            }
-            last
+        let mut next = |main: &mut super::super::exchange::MainEnds<'_, 1, 1>| {
+            now.set(now.get() + PERIOD);
+            sampling.interrupt(true, &clock);
+            let moment = main.moments.dequeue().unwrap();
+            (moment.bias[0][0], moment.status[0])
         };
-        // The schedule begins half a period after the first temperatures.
-        assert!(status(35).contains(Status::TEMPERATURE_LOST));
-        main.temperatures.enqueue([25.0]).unwrap();
-        assert!(status(5).contains(Status::TEMPERATURE_LOST));
-        assert!(!status(5).intersects(Status::TEMPERATURE_LOST | Status::TEMPERATURE_INVALID));
-        assert!(status(10).contains(Status::TEMPERATURE_INVALID));
+        assert_eq!(next(&mut main), (0.0, Status::TEMPERATURE_LOST));
+        let ramp = |end| BiasRamp {
+            end: [end],
+            slope: [1.0],
+            samples: 2,
+            status: Status::SETTLING,
+        };
+        publish(main.ramps, &[ramp(5.0)]);
+        // That of a replay is its own.
+        publish(main.replay_ramps, &[ramp(7.0)]);
+        main.injected.enqueue([[10.0]]).unwrap();
+        assert_eq!(next(&mut main), (4.0, Status::SETTLING));
+        let reply = main.replies.dequeue().unwrap();
+        assert_eq!((reply.bias, reply.compensated), ([[6.0]], [[4.0]]));
+        assert_eq!(reply.status, [Status::SETTLING]);
+        for _ in 0..3 {
+            assert_eq!(next(&mut main), (5.0, Status::SETTLING));
+        }
+        let late = Status::SETTLING | Status::INTERVAL_INVALID;
+        assert_eq!(next(&mut main), (5.0, late));
         assert_eq!(counts.losses(), tempco_link::Losses::default());
     }
 
@@ -324,13 +251,13 @@ mod tests {
     fn run<const PER: u32, const RUNS: bool>(delay: u32, lengths: &[u32]) -> (u32, u32, u32) {
         let (now, takes) = (Rc::new(Cell::new(0)), Rc::new(Cell::new(0)));
         let counts = Counts::new();
-        let mut queues = Queues::new();
-        let (ends, mut main) = queues.split(&counts);
+        let mut exchange = Exchange::new();
+        let (ends, mut main) = exchange.split(&counts);
         let gyro = Slow {
             now: now.clone(),
             takes: takes.clone(),
         };
-        let mut sampling = Sampling::new(gyro, ends, None, SCHEDULE, [[1.0]], [[0.0]]);
+        let mut sampling = Sampling::new(gyro, ends, [[1.0]]);
         let clock = Clock::<PER, RUNS>(now.clone());
         sampling.start(&clock);
         let mut seen = 0;
@@ -374,13 +301,13 @@ mod tests {
     fn latency_is_known_beyond_the_end_of_the_period() {
         let (now, takes) = (Rc::new(Cell::new(PERIOD + 300)), Rc::new(Cell::new(900)));
         let counts = Counts::new();
-        let mut queues = Queues::new();
-        let (ends, _main) = queues.split(&counts);
+        let mut exchange = Exchange::new();
+        let (ends, _main) = exchange.split(&counts);
         let gyro = Slow {
             now: now.clone(),
             takes,
         };
-        let mut sampling = Sampling::new(gyro, ends, None, SCHEDULE, [[1.0]], [[0.0]]);
+        let mut sampling = Sampling::new(gyro, ends, [[1.0]]);
         sampling.interrupt(true, &Clock::<PERIOD>(now));
         assert_eq!(counts.latency.load(Ordering::Relaxed), 1200);
     }
@@ -389,17 +316,17 @@ mod tests {
     fn what_finds_no_place_is_counted_apart() {
         let now = Rc::new(Cell::new(0));
         let counts = Counts::new();
-        let mut queues = Queues::new();
-        let (ends, mut main) = queues.split(&counts);
+        let mut exchange = Exchange::new();
+        let (ends, mut main) = exchange.split(&counts);
         let gyro = Slow {
             now: now.clone(),
             takes: Rc::default(),
         };
-        let mut sampling = Sampling::new(gyro, ends, None, SCHEDULE, [[1.0]], [[0.0]]);
+        let mut sampling = Sampling::new(gyro, ends, [[1.0]]);
         let clock = Clock::<PERIOD>(now.clone());
         for _ in 0..300 {
             now.set(now.get() + PERIOD);
-            main.injected.enqueue(Injected::Sample([[1.0]])).unwrap();
+            main.injected.enqueue([[1.0]]).unwrap();
             sampling.interrupt(true, &clock);
         }
         let losses = counts.losses();

@@ -1,26 +1,33 @@
-//! The work of the main loop: samples and temperatures to and from the interrupt, the faults that
-//! they show, and the state that telemetry gives.
+//! The work of the main loop: the thermal half, samples from the interrupt, the faults that they
+//! show, and the state that telemetry gives.
 
 use core::sync::atomic::Ordering;
 
 use heapless::Vec;
-use tempco::{Schedule, Status};
+use tempco::{BiasRamp, Schedule, Status, ThermalPoint};
 use tempco_image::{MAX_PLAYS, MAX_SLOW_PARTS};
-use tempco_link::{Fault, Losses, MAX_BLOCK, Refusal, Telemetry};
+use tempco_link::{Channels, Fault, Losses, MAX_BLOCK, Outcome, Refusal, Telemetry};
 use tempco_replay::Replay;
 
-use super::UnitTables;
 use super::devices::{Flash, SampleClock, Thermometers};
-use super::exchange::{MainEnds, Moment};
+use super::exchange::{MainEnds, Moment, publish};
 use super::health::{Health, faults_of};
 use super::load::Load;
 use super::offsets::Offsets;
 use super::parts::Parts;
-use super::recent::Recent;
+use super::recent::{Means, Recent};
 use super::storage::Storage;
 use super::thermometry::Thermometry;
 use super::time::Time;
-use super::wire::axes;
+use super::wire::{axes, channels};
+use super::{UnitTables, UnitThermal};
+
+/// Where the models are evaluated without a table.
+const NOWHERE: ThermalPoint = ThermalPoint {
+    effective_c: f32::NAN,
+    rate_c_per_min: f32::NAN,
+    status: Status::TEMPERATURE_LOST,
+};
 
 /// All of the main loop but the wire and the watchdog.
 pub(super) struct Service<'t, F, T, K, const C: usize, const A: usize> {
@@ -34,13 +41,20 @@ pub(super) struct Service<'t, F, T, K, const C: usize, const A: usize> {
     pub(super) load: Load,
     /// Tables in use and their CRC.
     pub(super) tables: Option<(&'t UnitTables<'t, C, A>, u32)>,
+    /// What the tables make of the temperatures, for the gyro and for a replay.
+    thermal: Option<UnitThermal<'t, C, A>>,
+    pub(super) replay_thermal: Option<UnitThermal<'t, C, A>>,
+    /// Periods of the sampling timer when it was given the last temperatures.
+    updated_at: u32,
     pub(super) offsets: Offsets<C, A>,
+    /// Offsets that the interrupt does not take out yet.
+    pub(super) has_new_offsets: bool,
     pub(super) recent: Recent<C, A>,
     pub(super) scale_factor_arcsec: f32,
     pub(super) stack_is_sound: fn() -> bool,
     pub(super) knows_the_answer: fn() -> bool,
     pub(super) wants_reset: bool,
-    /// Gyro samples when the first temperatures were sent to the interrupt.
+    /// Gyro samples when there were the first temperatures.
     started_at: Option<u32>,
     /// Overruns at the last self-test.
     pub(super) known_overruns: u32,
@@ -73,7 +87,12 @@ where
             stack_is_sound,
             knows_the_answer,
         } = parts;
-        Self {
+        let thermal =
+            tables.map(|(tables, _)| UnitThermal::new(tables, schedule.samples_per_update));
+        let constant = thermal
+            .as_ref()
+            .map_or([no_bias(); C], UnitThermal::constant);
+        let service = Self {
             storage,
             thermometry: Thermometry::new(thermometers),
             health: Health::new(),
@@ -83,7 +102,11 @@ where
             time: Time::new(schedule.sample_rate_hz),
             load: Load::default(),
             tables,
+            replay_thermal: thermal.clone(),
+            thermal,
+            updated_at: 0,
             offsets,
+            has_new_offsets: false,
             recent: Recent::default(),
             scale_factor_arcsec,
             stack_is_sound,
@@ -97,7 +120,10 @@ where
             unasked_ms: 0,
             replay: None,
             block: Vec::new(),
-        }
+        };
+        publish(service.ends.replay_ramps, &constant);
+        service.publish(constant);
+        service
     }
 
     /// Records a fault, in the log too if it is new.
@@ -124,16 +150,15 @@ where
     /// Takes a moment of the gyro: into the means, the re-zero that is under way, and the faults.
     fn take(&mut self, moment: &Moment<C, A>) {
         self.recent.add(moment);
-        let channels = &moment.outcome.channels;
-        let status = channels
+        let status = moment
+            .status
             .iter()
-            .fold(Status::OK, |status, channel| status | channel.flags());
-        let compensated = channels.each_ref().map(|channel| &channel.compensated);
-        match self.offsets.add(compensated, status) {
-            // A failing flash is a fault of its own.
-            Some(Ok(offsets)) => _ = self.keep_offsets(offsets),
-            Some(Err(reason)) => self.record_fault(Fault::ReZero, reason.detail()),
-            None => {}
+            .fold(Status::OK, |all, status| all | *status);
+        if self.offsets.is_averaging() {
+            self.average(moment, status);
+        }
+        if status == Status::OK {
+            return;
         }
         if !self.is_started() {
             return;
@@ -146,8 +171,22 @@ where
         }
     }
 
-    /// Whether the interrupt has had temperatures for two updates; before, it is no fault that
-    /// there are none.
+    /// Gives a moment to the re-zero that is under way.
+    fn average(&mut self, moment: &Moment<C, A>, status: Status) {
+        let compensated = core::array::from_fn(|channel| {
+            let (raw, bias) = (&moment.raw[channel], &moment.bias[channel]);
+            core::array::from_fn(|axis| raw[axis] - bias[axis])
+        });
+        match self.offsets.add(&compensated, status) {
+            // A failing flash is a fault of its own.
+            Some(Ok(offsets)) => _ = self.keep_offsets(offsets),
+            Some(Err(reason)) => self.record_fault(Fault::ReZero, reason.detail()),
+            None => {}
+        }
+    }
+
+    /// Whether there have been temperatures for two updates; before, it is no fault that there are
+    /// none.
     fn is_started(&self) -> bool {
         let samples = self.ends.counts.samples();
         let two_updates = 2 * u32::from(self.schedule.samples_per_update);
@@ -155,7 +194,7 @@ where
             .is_some_and(|start| samples.wrapping_sub(start) > two_updates)
     }
 
-    /// Offsets take effect once they are kept.
+    /// Offsets take effect once they are kept, with the next ramp.
     pub(super) fn keep_offsets(&mut self, offsets: [[f32; A]; C]) -> Result<(), Refusal> {
         let table_crc = self.tables.map_or(0, |(_, crc)| crc);
         if let Err(error) = self.storage.set_offsets(table_crc, &offsets) {
@@ -164,26 +203,51 @@ where
             return Err(Refusal::Store);
         }
         self.offsets.set(offsets);
-        // Cannot fail: who changes them makes sure that the interrupt has taken the ones before.
-        _ = self.ends.offsets.enqueue(offsets);
+        self.has_new_offsets = true;
         crate::info!("offsets: {}", offsets);
         Ok(())
     }
 
-    /// Reads the thermometers when it is time.
+    /// Reads the thermometers when it is time, and makes ramps of what they show.
     pub(super) fn read_thermometers(&mut self) {
         let samples = self.ends.counts.samples();
         let period = self.schedule.samples_per_update;
         if !self.thermometry.is_due(samples, period) {
             return;
         }
-        if self.thermometry.read_and_send(&mut self.ends.temperatures) {
-            self.started_at.get_or_insert(self.ends.counts.samples());
+        if let Some(temps_c) = self.thermometry.read() {
+            self.started_at.get_or_insert(samples);
+            self.update(&temps_c);
         }
         let faults: Vec<(Fault, u32), C> = self.thermometry.faults().collect();
         for (fault, channel) in faults {
             self.record_fault(fault, channel);
         }
+    }
+
+    /// The thermal half of each channel. Time passes in whole update periods, so that a main loop
+    /// that is a little late changes nothing.
+    fn update(&mut self, temps_c: &[f32; C]) {
+        let now = self.ends.counts.periods();
+        let since = now.wrapping_sub(core::mem::replace(&mut self.updated_at, now));
+        let period = u32::from(self.schedule.samples_per_update).max(1);
+        let updates = (since.saturating_add(period / 2) / period).max(1);
+        let Some(thermal) = &mut self.thermal else {
+            return;
+        };
+        let ramps = thermal.update(updates as f32 * self.schedule.update_interval_s(), temps_c);
+        self.publish(ramps);
+        self.has_new_offsets = false;
+    }
+
+    /// Hands ramps to the interrupt, with the offsets that it takes out too.
+    fn publish(&self, mut ramps: [BiasRamp<A>; C]) {
+        for (ramp, offsets) in ramps.iter_mut().zip(self.offsets.in_use()) {
+            for (end, offset) in ramp.end.iter_mut().zip(offsets) {
+                *end += offset;
+            }
+        }
+        publish(self.ends.ramps, &ramps);
     }
 
     /// Sleeps until the next interrupt.
@@ -206,23 +270,42 @@ where
     pub(super) fn telemetry(&mut self) -> Telemetry {
         let counts = self.ends.counts;
         let latency = u64::from(counts.latency.load(Ordering::Relaxed));
-        let (raw, outcome) = self.recent.take(self.time.now_ms());
+        let Means { raw, bias, status } = self.recent.take(self.time.now_ms());
+        let offsets = self.offsets.in_use();
+        let each = |of: &dyn Fn(usize, usize) -> f32| {
+            axes::<C, A>(&core::array::from_fn(|channel| {
+                core::array::from_fn(|axis| of(channel, axis))
+            }))
+        };
+        let outcome = Outcome {
+            channels: match status {
+                Some(status) => channels(&self.points(self.thermal.as_ref()), &status),
+                None => Channels::new(),
+            },
+            bias: each(&|channel, axis| bias[channel][axis] - offsets[channel][axis]),
+            compensated: each(&|channel, axis| raw[channel][axis] - bias[channel][axis]),
+        };
         self.telemetry_index = self.telemetry_index.wrapping_add(1);
         Telemetry {
             index: self.telemetry_index,
             uptime_ms: self.time.now_ms(),
             temps_c: self.thermometry.temps_c().into_iter().collect(),
-            raw,
+            raw: axes(&raw),
             outcome,
-            offset: axes(self.offsets.in_use()),
+            offset: axes(offsets),
             samples: counts.samples(),
-            rejected: counts.rejected.load(Ordering::Relaxed),
+            rejected: self.thermal.as_ref().map_or(0, UnitThermal::rejected),
             overruns: self.overruns(),
             dropped_frames: self.dropped_frames,
             faults: self.health.present(),
             load_permille: self.load.permille(),
             latency_ns: (latency * u64::from(K::COUNT_NS)) as u32,
         }
+    }
+
+    /// Where the models were evaluated last; without a table, nowhere.
+    pub(super) fn points(&self, thermal: Option<&UnitThermal<'_, C, A>>) -> [ThermalPoint; C] {
+        thermal.map_or([NOWHERE; C], UnitThermal::points)
     }
 
     /// Samples that were missed and outcomes that were lost.
@@ -235,5 +318,15 @@ where
         missed_samples
             .saturating_add(moments)
             .saturating_add(replies)
+    }
+}
+
+/// What there is to take out without a table: nothing, and the sample is marked as not to be used.
+const fn no_bias<const A: usize>() -> BiasRamp<A> {
+    BiasRamp {
+        end: [0.0; A],
+        slope: [0.0; A],
+        samples: 0,
+        status: Status::TEMPERATURE_LOST,
     }
 }

@@ -1,7 +1,6 @@
 //! Temperatures on schedule, and what is wrong with the sensors.
 
 use heapless::Vec;
-use heapless::spsc::Producer;
 use tempco_link::Fault;
 use tempco_sensors::SensorFault;
 
@@ -58,8 +57,7 @@ impl<T: Thermometers<C>, const C: usize> Thermometry<T, C> {
         }
     }
 
-    /// Whether to read now, given the number of gyro samples and the interrupt's schedule, so that
-    /// its next temperatures are there in time.
+    /// Whether to read now, given the number of gyro samples and the schedule.
     pub fn is_due(&mut self, samples: u32, samples_per_update: u16) -> bool {
         let period = u32::from(samples_per_update).max(1);
         // After a long stall the readings that were missed are not made up for.
@@ -73,20 +71,9 @@ impl<T: Thermometers<C>, const C: usize> Thermometry<T, C> {
         self.readings
     }
 
-    /// Reads every sensor and sends the temperatures to the interrupt; whether there were any, which
-    /// there are but while the sensors start.
-    pub fn read_and_send(&mut self, interrupt: &mut Producer<'_, [f32; C]>) -> bool {
-        let Some(temps_c) = self.read() else {
-            return false;
-        };
-        // A full queue means that the interrupt does not come; the watchdog's matter.
-        _ = interrupt.enqueue(temps_c);
-        true
-    }
-
-    /// The temperatures for the compensator, NaN where there is none, or nothing while the sensors
-    /// start \[degC\].
-    fn read(&mut self) -> Option<[f32; C]> {
+    /// Reads every sensor. The temperatures for the thermal half, NaN where there is none, or nothing
+    /// while the sensors start \[degC\].
+    pub fn read(&mut self) -> Option<[f32; C]> {
         self.readings = self.readings.wrapping_add(1);
         let readings = self.thermometers.read();
         for (sensor, reading) in self.sensors.iter_mut().zip(readings) {

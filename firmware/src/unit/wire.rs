@@ -1,18 +1,21 @@
 //! Values of the unit as the link carries them.
 
+use tempco::{Status, ThermalPoint};
 use tempco_link::{Axes, ChannelTelemetry, Channels};
-use tempco_replay::Outcome;
 
 /// The state of each channel.
-pub(super) fn channels<const C: usize, const A: usize>(
-    outcome: &Outcome<C, A>,
+pub(super) fn channels<const C: usize>(
+    points: &[ThermalPoint; C],
+    status: &[Status; C],
 ) -> Channels<ChannelTelemetry> {
-    let channels = outcome.channels.iter().map(|channel| ChannelTelemetry {
-        effective_c: channel.effective_c,
-        rate_c_per_min: channel.rate_c_per_min,
-        status: channel.flags().bits(),
-    });
-    channels.collect()
+    let channels = points.iter().zip(status);
+    channels
+        .map(|(point, status)| ChannelTelemetry {
+            effective_c: point.effective_c,
+            rate_c_per_min: point.rate_c_per_min,
+            status: status.bits(),
+        })
+        .collect()
 }
 
 /// Values of all axes, channel by channel.

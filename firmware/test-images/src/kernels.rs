@@ -3,7 +3,9 @@
 //! All have one signature, so that an empty function of that signature measures exactly what the
 //! measuring itself costs: the call, the arguments and the loop around them.
 
-use tempco::{Compensator, Interval, Output, PulseCarry, Table, TwoRateCompensator};
+use tempco::{
+    Compensator, Corrector, Interval, Output, PulseCorrector, RampBuffer, Table, ThermalHalf,
+};
 
 #[cfg(not(feature = "link-guard"))]
 use crate::baselines::Baselines;
@@ -16,8 +18,12 @@ use crate::baselines::Baselines;
 pub struct Units<'t, const A: usize> {
     /// The single-call pipeline.
     pub single: Compensator<'t, A>,
-    /// The two-rate pair.
-    pub two_rate: TwoRateCompensator<'t, A>,
+    /// The thermal half.
+    pub thermal: ThermalHalf<'t, A>,
+    /// From there to the sample half.
+    pub ramps: &'t RampBuffer<A>,
+    /// The sample half for whole pulses.
+    pub whole: PulseCorrector<'t, A>,
     /// Both with a hysteresis term.
     pub play: Pair<'t, A, 1, 0>,
     /// Both with a hysteresis term and a second lag.
@@ -27,10 +33,10 @@ pub struct Units<'t, const A: usize> {
     pub baselines: Baselines<A>,
     /// Where [`interval`] puts its result.
     pub interval: Interval,
-    /// The carry of [`pulses`], and where that puts its result.
-    pub carry: PulseCarry,
-    /// See [`carry`](Self::carry).
-    pub pulses: i32,
+    /// Where [`pulses`] puts its result.
+    pub pulses: [i32; A],
+    /// What [`block8`] takes the bias out of.
+    pub block: [[f32; A]; BLOCK],
     table: &'t Table<'t, A>,
 }
 
@@ -39,20 +45,20 @@ pub struct Units<'t, const A: usize> {
 #[repr(C)]
 pub struct Pair<'t, const A: usize, const P: usize, const S: usize> {
     single: Compensator<'t, A, P, S>,
-    two_rate: TwoRateCompensator<'t, A, P, S>,
+    thermal: ThermalHalf<'t, A, P, S>,
 }
 
 impl<'t, const A: usize, const P: usize, const S: usize> Pair<'t, A, P, S> {
     fn new(table: &'t Table<'t, A, P, S>, samples_per_update: u16) -> Self {
         Self {
             single: Compensator::new(table),
-            two_rate: TwoRateCompensator::new(table, samples_per_update),
+            thermal: ThermalHalf::new(table, samples_per_update),
         }
     }
 
     fn start(&mut self, temp_c: f32) {
         self.single.start(temp_c);
-        self.two_rate.start(temp_c);
+        self.thermal.start(temp_c);
     }
 }
 
@@ -67,6 +73,26 @@ pub struct Tables<'t, const A: usize> {
     pub history: &'t Table<'t, A, 1, 1>,
 }
 
+/// From the thermal halves to the sample halves.
+#[derive(Debug, Default)]
+pub struct Buffers<const A: usize> {
+    ramps: RampBuffer<A>,
+    whole: RampBuffer<A, i32>,
+}
+
+impl<const A: usize> Buffers<A> {
+    /// Without a ramp.
+    pub const fn new() -> Self {
+        Self {
+            ramps: RampBuffer::new(),
+            whole: RampBuffer::new(),
+        }
+    }
+}
+
+/// Gyro samples of a block.
+pub const BLOCK: usize = 8;
+
 /// What a sample brings along.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
@@ -79,6 +105,8 @@ pub struct Inputs<const A: usize> {
     pub temp_c: f32,
     /// Gyro samples.
     pub raw: [f32; A],
+    /// A sample in pulses.
+    pub pulses: [i32; A],
 }
 
 /// What every measured function looks like.
@@ -86,18 +114,20 @@ pub type Kernel<'t, const A: usize> = fn(&mut Units<'t, A>, &Inputs<A>, &mut Out
 
 impl<'t, const A: usize> Units<'t, A> {
     /// Units as after power-on.
-    pub fn new(tables: Tables<'t, A>, samples_per_update: u16) -> Self {
+    pub fn new(tables: Tables<'t, A>, buffers: &'t Buffers<A>, samples_per_update: u16) -> Self {
         let table = tables.plain;
         Self {
             single: Compensator::new(table),
-            two_rate: TwoRateCompensator::new(table, samples_per_update),
+            thermal: ThermalHalf::new(table, samples_per_update),
+            ramps: &buffers.ramps,
+            whole: PulseCorrector::new(&buffers.whole),
             play: Pair::new(tables.play, samples_per_update),
             history: Pair::new(tables.history, samples_per_update),
             #[cfg(not(feature = "link-guard"))]
             baselines: Baselines::new(table),
             interval: Interval::new(table.thermal(), 0.0),
-            carry: PulseCarry::new(),
-            pulses: 0,
+            pulses: [0; A],
+            block: [[0.0; A]; BLOCK],
             table,
         }
     }
@@ -105,7 +135,7 @@ impl<'t, const A: usize> Units<'t, A> {
     /// Starts all units at a temperature \[degC\].
     pub fn start(&mut self, temp_c: f32) {
         self.single.start(temp_c);
-        self.two_rate.start(temp_c);
+        self.thermal.start(temp_c);
         self.play.start(temp_c);
         self.history.start(temp_c);
     }
@@ -114,11 +144,11 @@ impl<'t, const A: usize> Units<'t, A> {
     pub fn advance(&mut self, inputs: &Inputs<A>, out: &mut Output<A>) {
         for kernel in [
             step,
-            update,
+            thermal,
             step_play,
-            update_play,
+            thermal_play,
             step_history,
-            update_history,
+            thermal_history,
         ] {
             kernel(self, inputs, out);
         }
@@ -138,15 +168,16 @@ pub fn step<const A: usize>(units: &mut Units<'_, A>, inputs: &Inputs<A>, out: &
         .step(&inputs.interval, inputs.temp_c, inputs.raw);
 }
 
-/// [`TwoRateCompensator::update`]: the thermal work.
+/// [`ThermalHalf::update`] and [`RampBuffer::publish`]: the thermal work.
 #[inline(never)]
-pub fn update<const A: usize>(units: &mut Units<'_, A>, inputs: &Inputs<A>, out: &mut Output<A>) {
-    out.point = units.two_rate.update(&inputs.interval, inputs.temp_c);
+pub fn thermal<const A: usize>(units: &mut Units<'_, A>, inputs: &Inputs<A>, _: &mut Output<A>) {
+    let ramp = units.thermal.update(&inputs.interval, inputs.temp_c);
+    units.ramps.publish(&ramp);
 }
 
 /// Functions of the tables with terms of the thermal history.
 macro_rules! with_history {
-    ($($step:ident, $update:ident: $pair:ident;)+) => {$(
+    ($($step:ident, $thermal:ident: $pair:ident;)+) => {$(
         #[doc = concat!("[`step`] of the units `", stringify!($pair), "`.")]
         #[inline(never)]
         pub fn $step<const A: usize>(
@@ -158,32 +189,34 @@ macro_rules! with_history {
             *out = unit.step(&inputs.interval, inputs.temp_c, inputs.raw);
         }
 
-        #[doc = concat!("[`update`] of the units `", stringify!($pair), "`.")]
+        #[doc = concat!("[`thermal`] of the units `", stringify!($pair), "`.")]
         #[inline(never)]
-        pub fn $update<const A: usize>(
+        pub fn $thermal<const A: usize>(
             units: &mut Units<'_, A>,
             inputs: &Inputs<A>,
-            out: &mut Output<A>,
+            _: &mut Output<A>,
         ) {
-            let unit = &mut units.$pair.two_rate;
-            out.point = unit.update(&inputs.interval, inputs.temp_c);
+            let ramp = units.$pair.thermal.update(&inputs.interval, inputs.temp_c);
+            units.ramps.publish(&ramp);
         }
     )+};
 }
 
 with_history! {
-    step_play, update_play: play;
-    step_history, update_history: history;
+    step_play, thermal_play: play;
+    step_history, thermal_history: history;
 }
 
-/// [`TwoRateCompensator::compensate`]: the subtraction at the gyro's rate.
+/// [`Corrector::correct`]: a gyro sample along its ramp.
 #[inline(never)]
-pub fn compensate<const A: usize>(
-    units: &mut Units<'_, A>,
-    inputs: &Inputs<A>,
-    out: &mut Output<A>,
-) {
-    out.compensated = units.two_rate.compensate(inputs.raw);
+pub fn subtract<const A: usize>(units: &mut Units<'_, A>, inputs: &Inputs<A>, out: &mut Output<A>) {
+    out.compensated = Corrector::new(units.ramps).correct(inputs.raw);
+}
+
+/// [`Corrector::correct_block`]: as many as a FIFO holds.
+#[inline(never)]
+pub fn block8<const A: usize>(units: &mut Units<'_, A>, _: &Inputs<A>, _: &mut Output<A>) {
+    Corrector::new(units.ramps).correct_block(&mut units.block);
 }
 
 /// [`Interval::new`]: what a varying sample time costs on top.
@@ -192,10 +225,10 @@ pub fn interval<const A: usize>(units: &mut Units<'_, A>, inputs: &Inputs<A>, _:
     units.interval = Interval::new(units.table.thermal(), inputs.dt_s);
 }
 
-/// [`PulseCarry::pulses`] of one axis.
+/// [`PulseCorrector::correct`]: a gyro sample in whole pulses.
 #[inline(never)]
 pub fn pulses<const A: usize>(units: &mut Units<'_, A>, inputs: &Inputs<A>, _: &mut Output<A>) {
-    units.pulses = units.carry.pulses(inputs.raw[0]);
+    units.pulses = units.whole.correct(inputs.pulses);
 }
 
 /// Measured functions of the baselines, of the names of their fields.

@@ -2,7 +2,7 @@
 
 use tempco_firmware::table::{AXES, TABLES};
 use tempco_test_images::history::{HISTORY, PLAY};
-use tempco_test_images::kernels::{self, Inputs, Tables, Units};
+use tempco_test_images::kernels::{self, BLOCK, Buffers, Inputs, Tables, Units};
 
 /// The bench must measure working code.
 #[test]
@@ -14,13 +14,15 @@ fn kernels_do_what_they_are_named_after() {
         dt_s: 1.0,
         temp_c: 26.0,
         raw: [1.0, 2.0, 3.0],
+        pulses: [1, 2, 3],
     };
     let tables = Tables {
         plain: table,
         play: &PLAY,
         history: &HISTORY[0],
     };
-    let mut units = Units::new(tables, 1);
+    let buffers = Buffers::new();
+    let mut units = Units::new(tables, &buffers, 1);
     units.start(25.0);
     let mut single = tempco::Compensator::new(table);
     single.start(25.0);
@@ -32,21 +34,26 @@ fn kernels_do_what_they_are_named_after() {
     assert!(output.bias[0].is_nan());
     kernels::step(&mut units, &inputs, &mut output);
     assert_eq!(output, expected);
-    kernels::update(&mut units, &inputs, &mut output);
-    kernels::compensate(&mut units, &inputs, &mut output);
+    kernels::thermal(&mut units, &inputs, &mut output);
+    output.compensated = [f32::NAN; AXES];
+    kernels::subtract(&mut units, &inputs, &mut output);
     assert_eq!(output, expected);
+    units.block = [inputs.raw; BLOCK];
+    kernels::block8(&mut units, &inputs, &mut output);
+    assert_eq!(units.block, [expected.compensated; BLOCK]);
     kernels::interval(&mut units, &inputs, &mut output);
     assert_eq!(units.interval, interval);
     kernels::pulses(&mut units, &inputs, &mut output);
-    assert_eq!(units.pulses, 1);
+    assert_eq!(units.pulses, [1, 2, 3], "no ramp");
 
     let mut single = tempco::Compensator::new(&HISTORY[0]);
     single.start(25.0);
     let expected = single.step(&interval, 26.0, inputs.raw);
     kernels::step_history(&mut units, &inputs, &mut output);
     assert_eq!(output, expected);
-    kernels::update_history(&mut units, &inputs, &mut output);
-    assert_eq!(output.point, expected.point);
+    kernels::thermal_history(&mut units, &inputs, &mut output);
+    kernels::subtract(&mut units, &inputs, &mut output);
+    assert_eq!(output.compensated, expected.compensated);
 
     kernels::cubic(&mut units, &inputs, &mut output);
     for axis in 0..AXES {

@@ -8,13 +8,13 @@ use std::rc::Rc;
 use std::sync::atomic::AtomicU32;
 
 use embedded_io::{ErrorType, Read, ReadReady, Write};
-use tempco::Schedule;
+use tempco::{Schedule, Status};
 use tempco_firmware::board::mps2_an386::nor::{Nor, REGIONS, WORDS};
 use tempco_firmware::table;
 use tempco_firmware::unit::devices::{
     AtRest, Devices, Gyro, ResetCause, SampleClock, Thermometers, Watchdog,
 };
-use tempco_firmware::unit::exchange::{Counts, Queues};
+use tempco_firmware::unit::exchange::{Counts, Exchange};
 use tempco_firmware::unit::known_answer;
 use tempco_firmware::unit::offsets::Offsets;
 use tempco_firmware::unit::rezero::Limits;
@@ -26,7 +26,6 @@ use tempco_image::{AlignedBytes, Channel, ChannelHistory, Info, Unit as AxisUnit
 use tempco_link::{
     Client, Event, Fault, FaultEntry, FaultSet, MAX_CHUNK, Refusal, Request, Response, Telemetry,
 };
-use tempco_replay::Outcome;
 use tempco_sensors::SensorFault;
 
 /// A twentieth of the unit's gyro rate and its rate of temperatures: tests of minutes are short.
@@ -123,7 +122,7 @@ impl<const C: usize, const A: usize> Gyro<C, A> for Counter {
         [[self.0.get(); A]; C]
     }
 
-    fn put(&mut self, _: &Outcome<C, A>) {}
+    fn put(&mut self, _: &[[f32; A]; C], _: &[Status; C]) {}
 }
 
 struct Dog(Rc<Cell<u32>>);
@@ -261,19 +260,12 @@ impl Bench {
             image.as_ref().map(|image| image.tables().unwrap());
         let table_crc = image.as_ref().map_or(0, |image| image.info().table_crc);
         let counts = Counts::new();
-        let mut queues = Queues::new();
-        let (interrupt_ends, ends) = queues.split(&counts);
+        let mut exchange = Exchange::new();
+        let (interrupt_ends, ends) = exchange.split(&counts);
         let scale = scale::<Counter, CHANNELS, AXES>(image.as_ref(), SCHEDULE.sample_rate_hz);
         let limits = Limits::of::<Counter>(&scale, SCHEDULE.sample_rate_hz);
         let offsets = Offsets::new(storage.offsets(table_crc), limits);
-        let sampling = Sampling::new(
-            Counter(self.counts.clone()),
-            interrupt_ends,
-            tables.as_ref(),
-            SCHEDULE,
-            scale,
-            *offsets.in_use(),
-        );
+        let sampling = Sampling::new(Counter(self.counts.clone()), interrupt_ends, scale);
         let parts = Parts {
             storage,
             tables: tables.as_ref().map(|tables| (tables, table_crc)),

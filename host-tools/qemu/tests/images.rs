@@ -97,7 +97,7 @@ fn costs_do_not_depend_on_data_and_repeat_exactly() {
     println!("{:#?}", first.log);
     assert!(first.succeeded());
     assert_eq!(first.log, second.log);
-    for name in ["step", "update", "compensate", "pulses"] {
+    for name in ["step", "thermal", "subtract", "block8", "pulses"] {
         let words: Vec<Vec<&str>> = first
             .log
             .iter()

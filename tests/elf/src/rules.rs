@@ -5,14 +5,15 @@ use std::path::Path;
 use crate::{CallGraph, Error, Image, Kernel, Lines, Site, forbidden_symbols, is_failure_path};
 
 /// The functions that run for every sample.
-pub const KERNELS: [&str; 9] = [
+pub const KERNELS: [&str; 10] = [
     "kernels::step",
-    "kernels::update",
+    "kernels::thermal",
     "kernels::step_play",
-    "kernels::update_play",
+    "kernels::thermal_play",
     "kernels::step_history",
-    "kernels::update_history",
-    "kernels::compensate",
+    "kernels::thermal_history",
+    "kernels::subtract",
+    "kernels::block8",
     "kernels::interval",
     "kernels::pulses",
 ];

@@ -13,7 +13,7 @@
 use core::sync::atomic::{AtomicI32, Ordering};
 
 use embedded_io::Read as _;
-use tempco_replay::Outcome;
+use tempco::Status;
 use tempco_sensors::SensorFault;
 
 use super::registers;
@@ -134,11 +134,8 @@ impl<const C: usize, const A: usize> Gyro<C, A> for BenchGyro {
     }
 
     /// The lamps of the board stand for the output.
-    fn put(&mut self, outcome: &Outcome<C, A>) {
-        let status = outcome
-            .channels
-            .iter()
-            .fold(0, |all, channel| all | channel.status);
-        registers::put_lamps(status);
+    fn put(&mut self, _: &[[f32; A]; C], status: &[Status; C]) {
+        let all = status.iter().fold(Status::OK, |all, status| all | *status);
+        registers::put_lamps(all.bits().into());
     }
 }

@@ -11,7 +11,7 @@
 //! | 22 | u16 | CRC-16/IBM-3740 of the 22 bytes before |
 
 use crc::{CRC_16_IBM_3740, Crc, Table};
-use tempco_replay::Outcome;
+use tempco::Status;
 
 use super::AXES;
 
@@ -24,18 +24,18 @@ const MAGIC: u16 = 0xeb90;
 static CRC: Crc<u16, Table<1>> = Crc::<u16, Table<1>>::new(&CRC_16_IBM_3740);
 
 /// The frame of a sample.
-pub fn encode<const C: usize, const A: usize>(number: u16, outcome: &Outcome<C, A>) -> [u8; LEN] {
+pub fn encode<const C: usize, const A: usize>(
+    number: u16,
+    compensated: &[[f32; A]; C],
+    status: &[Status; C],
+) -> [u8; LEN] {
     const { assert!(C * A <= AXES, "the board has three axes") };
     let mut bytes = [0; LEN];
     bytes[0..2].copy_from_slice(&MAGIC.to_le_bytes());
     bytes[2..4].copy_from_slice(&number.to_le_bytes());
-    let mut axes = outcome.channels.iter().flat_map(|channel| {
-        let status = channel.status as u16;
-        channel
-            .compensated
-            .iter()
-            .map(move |value| (*value, status))
-    });
+    let channels = compensated.iter().zip(status);
+    let mut axes =
+        channels.flat_map(|(values, status)| values.iter().map(|value| (*value, status.bits())));
     for axis in 0..AXES {
         let (value, status) = axes.next().unwrap_or((f32::NAN, 0));
         bytes[4 + 4 * axis..8 + 4 * axis].copy_from_slice(&value.to_le_bytes());
@@ -49,28 +49,14 @@ pub fn encode<const C: usize, const A: usize>(number: u16, outcome: &Outcome<C, 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use tempco_replay::ChannelOutcome;
-
-    fn channel<const A: usize>(status: u32, compensated: [f32; A]) -> ChannelOutcome<A> {
-        ChannelOutcome {
-            effective_c: 25.0,
-            rate_c_per_min: 0.5,
-            status,
-            bias: [9.0; A],
-            compensated,
-        }
-    }
 
     #[test]
     fn a_frame_is_as_documented() {
-        let outcome = Outcome {
-            channels: [channel(0x0102, [1.0, -2.0, 0.5])],
-        };
         let expected = [
             0x90, 0xeb, 0x34, 0x12, 0, 0, 0x80, 0x3f, 0, 0, 0, 0xc0, 0, 0, 0, 0x3f, 2, 1, 2, 1, 2,
             1,
         ];
-        let frame = encode(0x1234, &outcome);
+        let frame = encode(0x1234, &[[1.0, -2.0, 0.5]], &[Status::from_bits(0x0102)]);
         assert_eq!(frame[..22], expected);
         assert_eq!(
             bitwise_crc(&frame[..22]),
@@ -90,10 +76,8 @@ mod tests {
 
     #[test]
     fn axes_of_any_channels_are_in_order_and_missing_ones_are_marked() {
-        let outcome = Outcome {
-            channels: [channel(1, [1.0]), channel(2, [2.0])],
-        };
-        let frame = encode(0, &outcome);
+        let status = [1, 2].map(Status::from_bits);
+        let frame = encode(0, &[[1.0], [2.0]], &status);
         let value = |axis: usize| {
             let at = 4 + 4 * axis;
             f32::from_le_bytes(frame[at..at + 4].try_into().unwrap())

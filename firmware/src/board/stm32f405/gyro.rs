@@ -10,7 +10,7 @@ use stm32f4xx_hal::pac::{TIM2, TIM4, TIM5};
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::qei::Qei;
 use stm32f4xx_hal::rcc::Rcc;
-use tempco_replay::Outcome;
+use tempco::Status;
 
 use super::{AXES, frame, output};
 use crate::unit::devices::{AtRest, Gyro};
@@ -81,8 +81,9 @@ impl<const C: usize, const A: usize> Gyro<C, A> for Counters {
         core::array::from_fn(|_| core::array::from_fn(|_| axes.next().unwrap_or(0)))
     }
 
-    fn put(&mut self, outcome: &Outcome<C, A>) {
-        self.output.send(frame::encode(self.number, outcome));
+    fn put(&mut self, compensated: &[[f32; A]; C], status: &[Status; C]) {
+        self.output
+            .send(frame::encode(self.number, compensated, status));
         self.number = self.number.wrapping_add(1);
         self.data_ready.set_low();
     }

@@ -18,8 +18,10 @@ mod image {
     use tempco_firmware::table::{AXES, TABLES};
     use tempco_firmware::target::{banner, exit};
     use tempco_test_images::history::{HISTORY, PLAY};
-    use tempco_test_images::kernels::{self, Inputs, Kernel, Tables, Units};
+    use tempco_test_images::kernels::{self, BLOCK, Buffers, Inputs, Kernel, Tables, Units};
     use tempco_test_images::measure::{Span, Stopwatch};
+
+    static BUFFERS: Buffers<AXES> = Buffers::new();
 
     /// Double precision takes thousands of instructions, so the baselines see fewer inputs.
     const BASELINES: usize = 4;
@@ -38,14 +40,15 @@ mod image {
         f32::MIN_POSITIVE,
     ];
 
-    const KERNELS: [(&str, Kernel<'static, AXES>); 13] = [
+    const KERNELS: [(&str, Kernel<'static, AXES>); 14] = [
         ("step", kernels::step),
-        ("update", kernels::update),
+        ("thermal", kernels::thermal),
         ("step_play", kernels::step_play),
-        ("update_play", kernels::update_play),
+        ("thermal_play", kernels::thermal_play),
         ("step_history", kernels::step_history),
-        ("update_history", kernels::update_history),
-        ("compensate", kernels::compensate),
+        ("thermal_history", kernels::thermal_history),
+        ("subtract", kernels::subtract),
+        ("block8", kernels::block8),
         ("interval", kernels::interval),
         ("pulses", kernels::pulses),
         ("cubic_baseline", kernels::cubic),
@@ -81,8 +84,12 @@ mod image {
             size_of::<tempco::Compensator<'static, AXES>>()
         );
         defmt::println!(
-            "size two_rate_compensator {=usize}",
-            size_of::<tempco::TwoRateCompensator<'static, AXES>>()
+            "size thermal_half {=usize}",
+            size_of::<tempco::ThermalHalf<'static, AXES>>()
+        );
+        defmt::println!(
+            "size ramp_buffer {=usize}",
+            size_of::<tempco::RampBuffer<AXES>>()
         );
         defmt::println!(
             "size compensator_play {=usize}",
@@ -135,6 +142,7 @@ mod image {
             dt_s,
             temp_c,
             raw: [raw; AXES],
+            pulses: [raw.to_bits().cast_signed(); AXES],
         };
         let mut output = Output {
             compensated: [0.0; AXES],
@@ -147,7 +155,7 @@ mod image {
             play: &PLAY,
             history: &HISTORY[0],
         };
-        let fresh = Units::new(tables, 100);
+        let fresh = Units::new(tables, &BUFFERS, 100);
         let mut steady = fresh.clone();
         steady.start(25.0);
         let calm = Inputs {
@@ -162,7 +170,8 @@ mod image {
         let mut again = fresh.clone();
         again.start(temp_c);
         again.advance(&inputs, &mut output);
-        for units in [fresh, steady, again] {
+        for mut units in [fresh, steady, again] {
+            units.block = [inputs.raw; BLOCK];
             let state = (units, output);
             let counts = |kernel: Kernel<'static, AXES>| {
                 let kernel = black_box(kernel);

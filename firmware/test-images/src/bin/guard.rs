@@ -21,17 +21,19 @@ mod image {
     use core::hint::black_box;
 
     use tempco::{
-        Interval, Output, Schedule, Status, Stream, Table, TableError, Terms, Thermal,
-        ThermalPoint, ThermalSettings,
+        Interval, Output, PulseRamp, Schedule, Status, Stream, Table, TableError, Terms, Thermal,
+        ThermalChannels, ThermalPoint, ThermalSettings,
     };
     use tempco_firmware::table::{AXES, CHANNELS, CRC, TABLES};
     use tempco_replay::{Header, HeaderError, Record, RecordError, Replay, Sample};
     use tempco_test_images::guard::report_and_exit;
     use tempco_test_images::history::{HISTORY, PLAY};
-    use tempco_test_images::kernels::{self, Inputs, Tables, Units};
+    use tempco_test_images::kernels::{self, Buffers, Inputs, Tables, Units};
 
     /// Enough for the state to matter; the proof is in the linking.
     const ROUNDS: u32 = 100;
+
+    static BUFFERS: Buffers<AXES> = Buffers::new();
 
     #[cortex_m_rt::entry]
     fn main() -> ! {
@@ -54,7 +56,7 @@ mod image {
             play: &PLAY,
             history: &HISTORY[0],
         };
-        let mut units = Units::new(black_box(tables), black_box(16));
+        let mut units = Units::new(black_box(tables), &BUFFERS, black_box(16));
         units.start(black_box(25.0));
         let mut output = Output {
             compensated: [0.0; AXES],
@@ -69,21 +71,24 @@ mod image {
                 dt_s,
                 temp_c: black_box(25.0),
                 raw: black_box([0.5; AXES]),
+                pulses: black_box([5; AXES]),
             };
             // One by one: a loop over function pointers would hide the calls from the ELF check.
             kernels::step(black_box(&mut units), black_box(&inputs), &mut output);
-            kernels::update(black_box(&mut units), black_box(&inputs), &mut output);
+            kernels::thermal(black_box(&mut units), black_box(&inputs), &mut output);
             kernels::step_play(black_box(&mut units), black_box(&inputs), &mut output);
-            kernels::update_play(black_box(&mut units), black_box(&inputs), &mut output);
+            kernels::thermal_play(black_box(&mut units), black_box(&inputs), &mut output);
             kernels::step_history(black_box(&mut units), black_box(&inputs), &mut output);
-            kernels::update_history(black_box(&mut units), black_box(&inputs), &mut output);
-            kernels::compensate(black_box(&mut units), black_box(&inputs), &mut output);
+            kernels::thermal_history(black_box(&mut units), black_box(&inputs), &mut output);
+            kernels::subtract(black_box(&mut units), black_box(&inputs), &mut output);
+            kernels::block8(black_box(&mut units), black_box(&inputs), &mut output);
             kernels::interval(black_box(&mut units), black_box(&inputs), &mut output);
             kernels::pulses(black_box(&mut units), black_box(&inputs), &mut output);
             black_box(&output);
             let state = units.single.thermal_state();
             black_box((state.rejected(), state.restarts()));
-            black_box(units.two_rate.thermal_state());
+            black_box(units.thermal.thermal_state());
+            black_box(units.whole.status());
             let status = Status::from_bits(black_box(output.status.bits()));
             black_box((status.validity(), status.contains(Status::SETTLING)));
         }
@@ -114,7 +119,10 @@ mod image {
             stream.temperatures(black_box(&[25.0]));
             black_box(stream.sample(black_box(&[[0.5; AXES]])));
         }
-        black_box((stream.tables().len(), stream.rejected()));
+        let thermal = ThermalChannels::new(black_box(&HISTORY), schedule.samples_per_update);
+        black_box((thermal.points(), thermal.rejected()));
+        let [ramp] = black_box(thermal.constant());
+        black_box(PulseRamp::new(&ramp, black_box([0.5; AXES])));
     }
 
     /// A table that is not known at build time, as from a parameter store: checked, then used at

@@ -7,7 +7,7 @@
 
 mod samples;
 
-use tempco::{Compensator, Interval, Output, Table, TwoRateCompensator};
+use tempco::{Compensator, Corrector, Interval, Output, RampBuffer, Table, ThermalHalf};
 
 use samples::{Sample, Samples};
 
@@ -15,12 +15,12 @@ use samples::{Sample, Samples};
 const MILLION: u32 = 1_000_000;
 /// Samples of the run on subnormal numbers.
 const SUBNORMAL_SAMPLES: u32 = 10_000;
-/// Gyro samples per thermal update of the two-rate pair.
+/// Gyro samples per thermal update of the thermal half.
 const SAMPLES_PER_UPDATE: u16 = 8;
 /// One sample in so many is for the tables with terms of the thermal history.
 const HISTORY_SHARE: u32 = 8;
 
-/// Steps so many samples through the single-call and the two-rate compensators of all `tables`, and
+/// Steps so many samples through the compensators and both halves of all `tables`, and
 /// an eighth as many through those of `histories`. Calls `report` with 0 and the hashes of the
 /// subnormal run, then after each million and at the end with the samples so far and the hashes of
 /// them all.
@@ -51,7 +51,8 @@ pub fn run<const C: usize, const H: usize, const A: usize, const P: usize, const
 struct Unit<'t, const A: usize, const P: usize, const S: usize> {
     table: &'t Table<'t, A, P, S>,
     single: Compensator<'t, A, P, S>,
-    two_rate: TwoRateCompensator<'t, A, P, S>,
+    thermal: ThermalHalf<'t, A, P, S>,
+    ramps: RampBuffer<A>,
 }
 
 struct Golden<'t, const C: usize, const A: usize, const P: usize, const S: usize> {
@@ -67,7 +68,8 @@ impl<'t, const C: usize, const A: usize, const P: usize, const S: usize> Golden<
             units: tables.each_ref().map(|table| Unit {
                 table,
                 single: Compensator::new(table),
-                two_rate: TwoRateCompensator::new(table, SAMPLES_PER_UPDATE),
+                thermal: ThermalHalf::new(table, SAMPLES_PER_UPDATE),
+                ramps: RampBuffer::new(),
             }),
             samples: Samples::new(),
             count: 0,
@@ -88,23 +90,25 @@ impl<'t, const C: usize, const A: usize, const P: usize, const S: usize> Golden<
             let thermal = unit.table.thermal();
             if self.count == 0 {
                 unit.single.start(sample.temp_c);
-                unit.two_rate.start(sample.temp_c);
+                let ramp = unit.thermal.start(sample.temp_c);
+                unit.ramps.publish(&ramp);
             }
             // Some updates are left out, so that the ramp ends and goes overdue.
             if updates & !sample.skips_update {
                 let dt_s = sample.dt_s * f32::from(SAMPLES_PER_UPDATE);
                 let interval = Interval::new(thermal, dt_s);
-                unit.two_rate.update(&interval, sample.temp_c);
+                let ramp = unit.thermal.update(&interval, sample.temp_c);
+                unit.ramps.publish(&ramp);
             }
             let interval = Interval::new(thermal, sample.dt_s);
             let output = unit.single.step(&interval, sample.temp_c, sample.raw);
             self.hash.output(&output);
-            let two_rate = &mut unit.two_rate;
+            let (bias, status) = Corrector::new(&unit.ramps).advance::<1>();
             let output = Output {
-                compensated: two_rate.compensate(sample.raw),
-                bias: two_rate.bias(),
-                point: two_rate.point(),
-                status: two_rate.status(),
+                compensated: core::array::from_fn(|axis| sample.raw[axis] - bias[axis]),
+                bias,
+                point: unit.thermal.point(),
+                status,
             };
             self.hash.output(&output);
         }
@@ -115,7 +119,7 @@ impl<'t, const C: usize, const A: usize, const P: usize, const S: usize> Golden<
     fn hash(&self) -> u64 {
         let mut hash = self.hash;
         for unit in &self.units {
-            for state in [unit.single.thermal_state(), unit.two_rate.thermal_state()] {
+            for state in [unit.single.thermal_state(), unit.thermal.thermal_state()] {
                 hash.word(state.rejected());
                 hash.word(state.restarts());
             }

@@ -111,7 +111,7 @@ fn target(workspace: &Workspace) -> Result<Value> {
     let code_bytes = kernel("step")?.size;
     println!("  {:24} {code_bytes:>8} bytes", "code of step");
     let m7 = build(workspace, Board::Mps2An500, "bench", None)?;
-    for name in ["step", "update", "compensate"] {
+    for name in ["step", "thermal", "subtract", "block8"] {
         if let Some(cycles) = cycles_m7::cycles(&code(&m7, &["kernels", name])?)? {
             println!("  {name:24} {cycles:>8} cycles on an M7, by llvm-mca");
             figures[name]["cycles_m7"] = json!(cycles);
