@@ -88,16 +88,18 @@ impl<'t, const C: usize, const A: usize, const P: usize, const S: usize> Golden<
         let updates = self.count.is_multiple_of(u32::from(SAMPLES_PER_UPDATE));
         for unit in &mut self.units {
             let thermal = unit.table.thermal();
+            let mut ramp = None;
             if self.count == 0 {
                 unit.single.start(sample.temp_c);
-                let ramp = unit.thermal.start(sample.temp_c);
-                unit.ramps.publish(&ramp);
+                ramp = Some(unit.thermal.start(sample.temp_c));
             }
             // Some updates are left out, so that the ramp ends and goes overdue.
             if updates & !sample.skips_update {
                 let dt_s = sample.dt_s * f32::from(SAMPLES_PER_UPDATE);
                 let interval = Interval::new(thermal, dt_s);
-                let ramp = unit.thermal.update(&interval, sample.temp_c);
+                ramp = Some(unit.thermal.update(&interval, sample.temp_c));
+            }
+            if let Some(ramp) = ramp {
                 unit.ramps.publish(&ramp);
             }
             let interval = Interval::new(thermal, sample.dt_s);
