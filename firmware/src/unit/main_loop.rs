@@ -99,10 +99,10 @@ where
 
     /// Takes what the host has sent; whether there was anything.
     fn serve(&mut self) -> bool {
-        let mut bytes = [0; 64];
         if !matches!(self.link.read_ready(), Ok(true)) {
             return false;
         }
+        let mut bytes = [0; 64];
         let count = self.link.read(&mut bytes).unwrap_or(0);
         for byte in bytes.iter().take(count) {
             if let Some(answer) = self.server.receive(*byte, &mut self.service) {
