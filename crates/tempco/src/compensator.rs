@@ -49,7 +49,8 @@ impl<const PLAYS: usize, const SLOW: usize> BiasState<PLAYS, SLOW> {
 
 /// Compensates units whose temperature is sampled together with the gyro.
 ///
-/// Where the gyro runs faster than the temperature, use [`TwoRateCompensator`](crate::TwoRateCompensator).
+/// Where the gyro runs faster than the temperature, use a [`ThermalHalf`](crate::ThermalHalf) and a
+/// [`Corrector`](crate::Corrector).
 #[derive(Clone, Debug)]
 pub struct Compensator<'t, const AXES: usize, const PLAYS: usize = 0, const SLOW: usize = 0> {
     table: &'t Table<'t, AXES, PLAYS, SLOW>,

@@ -9,11 +9,14 @@
 //! Data flows one way through one small module each:
 //!
 //! ```text
-//! temperature -> conditioner -> estimator -> thermal -> table -> compensator -> compensated
-//!                (accepted?)    (T', lag)    (u, T')    (bias)   (raw - bias)   + bias + status
-//!                                               |                   ^
-//!                                               +---> history ------+
-//!                                             (where u has been, if the set has them)
+//! temperature -> conditioner -> estimator -> thermal -> table -> bias --+-> compensator
+//!                (accepted?)    (T', lag)    (u, T')              ^     |   raw - bias
+//!                                               |                 |     |
+//!                                               +---> history ----+     +-> thermal half
+//!                                             (where u has been)            ramp of the bias
+//!                                                                             |
+//!     gyro samples, in the interrupt ----------------------------------> corrector
+//!                                                                        raw - bias
 //! ```
 //!
 //! With `T` the conditioned temperature \[degC\] and `L` its first-order filtered value (before
@@ -32,8 +35,15 @@
 //! `gain (u - c)` with a contact `c` that `u` drags along ([`Play`]), and each second thermal lag adds
 //! `gain (u - S)` with a slower part of the unit at `S` ([`SlowPart`]).
 //! Configuration ([`Table`]) is immutable and can live in flash; all state is in the
-//! [`Compensator`]. A unit whose gyro is sampled faster than its temperature has a
-//! [`TwoRateCompensator`], or with several temperature sensors a [`Stream`] of them. A gyro that puts out pulses takes its bias in whole ones: [`PulseCarry`].
+//! [`Compensator`], which takes a temperature and a gyro sample at once.
+//!
+//! # Two halves
+//! Where the gyro is sampled faster than its temperature, the work is in two halves. A
+//! [`ThermalHalf`] belongs into the main loop and turns each temperature into a [`BiasRamp`]. A
+//! [`Corrector`] belongs into the sampling interrupt and takes the bias out along the ramp, of single
+//! samples or of a FIFO's worth; a [`PulseCorrector`] does it for whole pulses. A [`RampBuffer`]
+//! between them needs no lock. Several temperature sensors have [`ThermalChannels`], and a host
+//! computes the same by a [`Stream`].
 //!
 //! # Example
 //!

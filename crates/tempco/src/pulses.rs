@@ -33,7 +33,7 @@ impl<const AXES: usize> PulseRamp<AXES> {
         let slope = core::array::from_fn(|axis| {
             let before = ramp.end[axis] - ramp.slope[axis] * samples as f32;
             // Rounded towards zero: no bias of the ramp lies beyond its ends.
-            (end[axis] - fixed(before, axis)) / samples
+            end[axis].wrapping_sub(fixed(before, axis)) / samples
         });
         Self {
             end,
