@@ -157,7 +157,8 @@ where
         if self.offsets.is_averaging() {
             self.average(moment, status);
         }
-        if status == Status::OK {
+        // Most samples, also of a unit that still settles, show no fault.
+        if Status::SETTLING.contains(status) {
             return;
         }
         if !self.is_started() {
