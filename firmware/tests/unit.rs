@@ -172,6 +172,32 @@ fn a_main_loop_that_is_late_by_less_than_half_a_period_loses_no_temperature() {
     });
 }
 
+/// Ten seconds, in which the temperature moves further than it could in one update.
+#[test]
+fn a_main_loop_that_stalls_is_flagged_and_its_time_counts() {
+    let mut bench = Bench::with_tables();
+    bench.boot(|bench, unit| {
+        bench.connect(unit);
+        bench.wait(unit, SETTLED_S);
+        // One pass, which ends with the stall.
+        bench.late.set(1000);
+        bench.wait(unit, 0.01);
+        bench.readings.borrow_mut()[0] = Ok(29.0);
+        bench.wait(unit, 0.3);
+        let telemetry = bench.telemetry(unit);
+        assert!(telemetry.faults.contains(Fault::Starved));
+        assert_eq!(telemetry.rejected, 0, "time has passed");
+        bench.wait(unit, SETTLED_S);
+        let telemetry = bench.telemetry(unit);
+        assert_eq!(telemetry.faults, FaultSet::NONE);
+        assert_eq!(status(&telemetry), Status::OK);
+        // As much, but at once.
+        bench.readings.borrow_mut()[0] = Ok(25.0);
+        bench.wait(unit, 0.3);
+        assert!(bench.telemetry(unit).rejected > 0);
+    });
+}
+
 #[test]
 fn temperatures_that_cannot_be_are_rejected() {
     let mut bench = Bench::with_tables();

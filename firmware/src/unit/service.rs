@@ -233,10 +233,11 @@ where
         let since = now.wrapping_sub(core::mem::replace(&mut self.updated_at, now));
         let period = u32::from(self.schedule.samples_per_update).max(1);
         let updates = (since.saturating_add(period / 2) / period).max(1);
-        let Some(thermal) = &mut self.thermal else {
-            return;
+        let dt_s = updates as f32 * self.schedule.update_interval_s();
+        let ramps = match &mut self.thermal {
+            Some(thermal) => thermal.update(dt_s, temps_c),
+            None => [no_bias(); C],
         };
-        let ramps = thermal.update(updates as f32 * self.schedule.update_interval_s(), temps_c);
         self.publish(ramps);
         self.has_new_offsets = false;
     }
