@@ -91,6 +91,9 @@ fn target(workspace: &Workspace) -> Result<Value> {
                     figure["cycles_m4"] = json!(price.cycles);
                 }
                 println!("  {name:24} {least:>8} {most:>8} {cycles:>8}");
+                if name == "block8" {
+                    figures.insert("block8_per_sample".to_owned(), share(&figure, 8.0));
+                }
                 match name.strip_suffix("_baseline") {
                     Some(name) => baselines.insert(name.to_owned(), figure),
                     None => figures.insert(name.to_owned(), figure),
@@ -122,4 +125,17 @@ fn target(workspace: &Workspace) -> Result<Value> {
     figures.insert("baselines".to_owned(), Value::Object(baselines));
     figures.insert("sizes".to_owned(), Value::Object(sizes));
     Ok(Value::Object(figures))
+}
+
+/// A figure of a call for each of its samples.
+fn share(figure: &Value, samples: f64) -> Value {
+    match figure {
+        Value::Number(number) => json!(number.as_f64().unwrap_or(f64::NAN) / samples),
+        Value::Array(values) => values.iter().map(|value| share(value, samples)).collect(),
+        Value::Object(map) => map
+            .iter()
+            .map(|(key, value)| (key.clone(), share(value, samples)))
+            .collect(),
+        other => other.clone(),
+    }
 }
