@@ -82,9 +82,9 @@ fn the_bias_ramps_linearly_to_that_of_the_single_rate() {
         assert_eq!(unit.thermal.point(), end.point);
         for (sample, out) in (1..).zip(unit.take(SAMPLES.into())) {
             let part = sample as f32 / f32::from(SAMPLES);
-            for axis in 0..2 {
-                let line = before[axis] + part * (end.bias[axis] - before[axis]);
-                assert!((out.bias[axis] - line).abs() < 2e-6, "{second}.{sample}");
+            for (bias, (before, end)) in out.bias.iter().zip(before.iter().zip(&end.bias)) {
+                let line = before + part * (end - before);
+                assert!((bias - line).abs() < 2e-6, "{second}.{sample}");
             }
             assert_eq!(out.status, end.status);
             assert!(sample < SAMPLES || out.bits() == end.bias.map(f32::to_bits));
