@@ -12,7 +12,7 @@ const MOMENTS: usize = 128;
 /// Samples of a block, and one place that a queue cannot use.
 const INJECTED: usize = 256;
 
-/// What the interrupt knows of one sample, and the main loop does not.
+/// What of one sample only the interrupt can know.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moment<const C: usize, const A: usize> {
     /// The gyro sample \[unit of the axis\].

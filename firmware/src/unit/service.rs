@@ -41,7 +41,7 @@ pub(super) struct Service<'t, F, T, K, const C: usize, const A: usize> {
     pub(super) load: Load,
     /// Tables in use and their CRC.
     pub(super) tables: Option<(&'t UnitTables<'t, C, A>, u32)>,
-    /// What the tables make of the temperatures, for the gyro and for a replay.
+    /// The thermal halves of all channels, for the gyro and for a replay.
     thermal: Option<UnitThermal<'t, C, A>>,
     pub(super) replay_thermal: Option<UnitThermal<'t, C, A>>,
     /// Periods of the sampling timer when it was given the last temperatures.
