@@ -20,13 +20,13 @@ mod image {
     use cortex_m_rt::exception;
     use embedded_io::{Read as _, Write as _};
     use embedded_storage::nor_flash::ReadNorFlash;
+    use tempco::Status;
     use tempco_firmware::board::BOARD;
     use tempco_firmware::board::stm32f405::{
         self, AXES, Counters, REGIONS, SENSORS, Stm32f405, Usart,
     };
     use tempco_firmware::target::{banner, exit};
     use tempco_firmware::unit::devices::{Gyro, Thermometers, Watchdog};
-    use tempco_replay::{ChannelOutcome, Outcome};
 
     const SAMPLE_RATE_HZ: u32 = 2000;
     /// Readings of the sensors: they are started, their wires are checked, a temperature comes.
@@ -140,15 +140,8 @@ mod image {
                 Ordering::Relaxed,
             );
         }
-        gyro.put(&Outcome {
-            channels: [ChannelOutcome {
-                effective_c: f32::NAN,
-                rate_c_per_min: f32::NAN,
-                status: 0,
-                bias: [0.0; AXES],
-                compensated: counts[0].map(|count| count as f32),
-            }],
-        });
+        let output = counts.map(|counts| counts.map(|count| count as f32));
+        gyro.put(&output, &[Status::OK]);
         SAMPLES.store(samples().wrapping_add(1), Ordering::Relaxed);
     }
 }

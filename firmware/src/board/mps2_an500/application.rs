@@ -11,8 +11,8 @@ use cortex_m_rt::exception;
 use critical_section::Mutex;
 use embedded_io::{ErrorType, Read, ReadReady, Write};
 use heapless::spsc::{Consumer, Producer, Queue};
+use tempco::Status;
 use tempco_link::FaultSet;
-use tempco_replay::Outcome;
 use tempco_sensors::SensorFault;
 
 use crate::board::mps2_an386::nor::{self, Nor};
@@ -98,9 +98,9 @@ impl<const C: usize, const A: usize> Gyro<C, A> for Counter {
     }
 
     /// The lamps of the board stand for the output.
-    fn put(&mut self, outcome: &Outcome<C, A>) {
-        let status = outcome.channels.iter().map(|channel| channel.status);
-        Register::Lamps.write(status.fold(0, |all, status| all | status));
+    fn put(&mut self, _: &[[f32; A]; C], status: &[Status; C]) {
+        let bits = status.iter().map(|status| u32::from(status.bits()));
+        Register::Lamps.write(bits.fold(0, |all, bits| all | bits));
     }
 }
 
