@@ -1,9 +1,11 @@
 //! Time since power-on, by the sampling interrupt.
 
+use core::num::NonZeroU32;
+
 /// Turns periods of the sampling timer into time. A look comes with every sample, so it is cheap.
 pub(super) struct Time {
     /// Periods per second, 1 to 4 million \[Hz\].
-    rate_hz: u32,
+    rate_hz: NonZeroU32,
     /// Since power-on, as of the last look.
     periods: u64,
     now_ms: u32,
@@ -15,7 +17,8 @@ impl Time {
     /// Power-on.
     pub(super) fn new(sample_rate_hz: f32) -> Self {
         Self {
-            rate_hz: (sample_rate_hz as u32).clamp(1, 4_000_000),
+            rate_hz: NonZeroU32::new((sample_rate_hz as u32).min(4_000_000))
+                .unwrap_or(NonZeroU32::MIN),
             periods: 0,
             now_ms: 0,
             rest: 0,
@@ -42,7 +45,7 @@ impl Time {
 
     /// Time at the last look \[s\].
     pub(super) fn uptime_s(&self) -> u32 {
-        (self.periods as f32 / self.rate_hz as f32) as u32
+        (self.periods as f32 / self.rate_hz.get() as f32) as u32
     }
 }
 
