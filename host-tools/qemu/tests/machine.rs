@@ -73,7 +73,8 @@ fn a_machine_takes_connections_and_commands_and_ends_when_dropped() {
 #[test]
 fn what_the_image_logs_is_collected() {
     let mut machine = start(&halted()).unwrap();
-    machine.monitor("cont").unwrap();
+    // The image may have ended before QEMU answers.
+    _ = machine.monitor("cont");
     let start = Instant::now();
     while machine.log().len() < 2 {
         assert!(
