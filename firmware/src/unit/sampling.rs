@@ -112,7 +112,8 @@ fn advance<const C: usize, const A: usize>(
     (next.map(|(bias, _)| bias), next.map(|(_, status)| status))
 }
 
-fn difference<const C: usize, const A: usize>(
+/// The samples of all axes without their biases.
+pub(super) fn difference<const C: usize, const A: usize>(
     raw: &[[f32; A]; C],
     bias: &[[f32; A]; C],
 ) -> [[f32; A]; C] {

@@ -16,6 +16,7 @@ use super::load::Load;
 use super::offsets::Offsets;
 use super::parts::Parts;
 use super::recent::{Means, Recent};
+use super::sampling::difference;
 use super::storage::Storage;
 use super::thermometry::Thermometry;
 use super::time::Time;
@@ -174,10 +175,7 @@ where
 
     /// Gives a moment to the re-zero that is under way.
     fn average(&mut self, moment: &Moment<C, A>, status: Status) {
-        let compensated = core::array::from_fn(|channel| {
-            let (raw, bias) = (&moment.raw[channel], &moment.bias[channel]);
-            core::array::from_fn(|axis| raw[axis] - bias[axis])
-        });
+        let compensated = difference(&moment.raw, &moment.bias);
         match self.offsets.add(&compensated, status) {
             // A failing flash is a fault of its own.
             Some(Ok(offsets)) => _ = self.keep_offsets(offsets),
