@@ -1,7 +1,7 @@
 //! One channel of a log on its way into a summary: core, spikes, grid.
 
 use tempco::{Thermal, ThermalState};
-use tempco_set::run::{Intervals, is_usable};
+use tempco_set::run::{IntervalCache, is_usable};
 
 use crate::outliers::{SpikeFilter, window_rows};
 use crate::summary::block::Rows;
@@ -12,7 +12,7 @@ use crate::summary::{ChannelSummary, Plan};
 pub(super) struct ChannelSummariser<'a> {
     plan: &'a Plan,
     state: ThermalState,
-    intervals: Intervals,
+    intervals: IntervalCache,
     last_s: f64,
     window: Rows,
     /// A window that is done with, to be filled again.
@@ -39,7 +39,7 @@ impl<'a> ChannelSummariser<'a> {
         Self {
             plan,
             state,
-            intervals: Intervals::new(thermal, interval_s as f32),
+            intervals: IntervalCache::new(thermal, interval_s as f32),
             last_s: first_s - interval_s,
             window: Rows::with_capacity(axes, window_rows),
             spare: None,

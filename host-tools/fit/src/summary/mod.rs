@@ -31,7 +31,7 @@ use tempco::{Interval, Thermal, ThermalPoint, ThermalState};
 use tempco_log::signals::Finding;
 use tempco_log::{AxisUnit, Reading, SkippedRows};
 use tempco_set::Stretch;
-use tempco_set::run::Intervals;
+use tempco_set::run::IntervalCache;
 
 /// What must be known before a log is summarised; see [`FitOptions::plan`](crate::FitOptions::plan).
 #[derive(Clone, Debug, PartialEq)]
@@ -144,7 +144,7 @@ impl ChannelSummary {
         };
         let mut state = ThermalState::new(thermal);
         state.start(thermal, first.temp_c);
-        let mut intervals = Intervals::new(thermal, self.sample_s() as f32);
+        let mut intervals = IntervalCache::new(thermal, self.sample_s() as f32);
         let mut last_s = first.time_s - self.sample_s();
         let point = |sample: &Sample| {
             let interval = intervals.of(thermal, (sample.time_s - last_s) as f32);

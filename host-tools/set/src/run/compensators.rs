@@ -1,11 +1,9 @@
 //! The compensators of a set in the course of a log.
 
-use tempco::{
-    Compensator, Interval, Status, Table, TableError, Thermal, ThermalPoint, ThermalState,
-};
+use tempco::{Compensator, Status, Table, TableError, Thermal, ThermalPoint, ThermalState};
 
 use super::columns::ChannelInputs;
-use super::thermal_path::with_every_rate;
+use super::thermal_path::{IntervalCache, with_every_rate};
 use crate::{CoefficientSet, TableData, TableUse, use_tables};
 
 /// Consecutive rows of a log after compensation.
@@ -89,6 +87,7 @@ struct Unit<'t, const AXES: usize, const PLAYS: usize, const SLOW: usize> {
     /// The thermal path without limits of the rate.
     open: Thermal,
     state: ThermalState,
+    intervals: IntervalCache,
     is_started: bool,
 }
 
@@ -99,6 +98,7 @@ impl<'t, const AXES: usize, const PLAYS: usize, const SLOW: usize> Unit<'t, AXES
             core: Compensator::new(table),
             table,
             state: ThermalState::new(&open),
+            intervals: IntervalCache::new(table.thermal(), 0.0),
             open,
             is_started: false,
         })
@@ -116,7 +116,7 @@ impl<'t, const AXES: usize, const PLAYS: usize, const SLOW: usize> Unit<'t, AXES
         let mut axes: [AxisOutput; AXES] = std::array::from_fn(|_| AxisOutput::default());
         for (row, (&temp_c, &dt_s)) in temps_c.iter().zip(intervals_s).enumerate() {
             let raw = inputs.row::<AXES>(row);
-            let interval = Interval::new(self.table.thermal(), dt_s);
+            let interval = self.intervals.of(self.table.thermal(), dt_s);
             let out = self.core.step(&interval, temp_c, raw);
             points.push(self.state.update(&self.open, &interval, temp_c));
             applied.status[row] |= out.status;

@@ -11,4 +11,4 @@ pub use columns::{ApplyError, ChannelInputs};
 pub use compensators::{Applied, AxisOutput};
 pub use file::{KnownLog, RunError, apply_to_file, is_rereadable};
 pub use memory::{apply, inputs};
-pub use thermal_path::{Intervals, is_usable, thermal_points, with_every_rate};
+pub use thermal_path::{IntervalCache, is_usable, thermal_points, with_every_rate};

@@ -16,21 +16,21 @@ pub fn thermal_points(log: &Log, channel: usize, thermal: &Thermal) -> Vec<Therm
     let temps_c = &log.channels[channel].temp_c;
     let mut state = ThermalState::new(thermal);
     state.start(thermal, temps_c[0]);
-    let mut intervals = Intervals::new(thermal, 0.0);
+    let mut intervals = IntervalCache::new(thermal, 0.0);
     log.intervals_s()
         .zip(temps_c)
         .map(|(dt_s, &temp_c)| state.update(thermal, &intervals.of(thermal, dt_s), temp_c))
         .collect()
 }
 
-/// The core's intervals. Most of a log are as long as the one before, and that is not made again.
+/// The core's interval of the last row. Most rows of a log are as far apart, and it is not made again.
 #[derive(Clone, Copy, Debug)]
-pub struct Intervals {
+pub struct IntervalCache {
     dt_s: f32,
     interval: Interval,
 }
 
-impl Intervals {
+impl IntervalCache {
     /// Starts with an interval of `dt_s` \[s\].
     pub const fn new(thermal: &Thermal, dt_s: f32) -> Self {
         let interval = Interval::new(thermal, dt_s);
