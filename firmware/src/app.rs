@@ -18,15 +18,8 @@ const BLOCK: usize = 4096;
 /// # Errors
 /// A stream that is not of this image's shape, that ends within a record, or whose ends fail. The
 /// outcomes of all complete samples before that are written.
-pub fn replay<
-    R: Read,
-    W: Write,
-    const C: usize,
-    const A: usize,
-    const PLAYS: usize,
-    const SLOW: usize,
->(
-    tables: &[Table<'_, A, PLAYS, SLOW>; C],
+pub fn replay<R: Read, W: Write, const C: usize, const A: usize>(
+    tables: &[Table<'_, A>; C],
     table_crc: u32,
     mut input: R,
     mut output: W,

@@ -612,10 +612,10 @@ fn replays_are_those_of_the_host() {
     bench.boot(|bench, unit| {
         bench.connect(unit);
         let whole = image(SERIAL, 0xb);
-        let mut place = tempco_image::AlignedBytes([0; 16384]);
+        let mut place = tempco_image::AlignedBytes([0; tempco_firmware::unit::IMAGE_LEN]);
         place.0[..whole.len()].copy_from_slice(&whole);
         let read = tempco_image::Image::read(&place.0).unwrap();
-        let tables = read.tables::<CHANNELS, AXES, 2, 1>().unwrap();
+        let tables = read.tables::<CHANNELS, AXES>().unwrap();
         for _ in 0..2 {
             bench.done(unit, &Request::Restart).unwrap();
             let mut rows = Replay::new(&tables);

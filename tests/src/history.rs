@@ -1,6 +1,6 @@
 //! A set with terms of the thermal history, without the long logs that a fit needs to select them.
 
-use tempco_set::{CoefficientSet, GainSet, PlayData, SlowPartData};
+use tempco_set::{CoefficientSet, GainSet};
 
 /// Gives a set of three axes two plays and a second lag. The second axis has no gain of the
 /// second play.
@@ -10,28 +10,31 @@ use tempco_set::{CoefficientSet, GainSet, PlayData, SlowPartData};
 pub fn add_history(set: &mut CoefficientSet) {
     for channel in &mut set.channels {
         assert_eq!(channel.axes.len(), 3);
-        let play = |half_width_c, gain: [f32; 3]| PlayData {
-            half_width_c,
-            gain: gain.to_vec(),
-        };
-        channel.table.plays = vec![play(2.5, [0.25, -0.5, 0.125]), play(8.0, [0.01, 0.0, 1e-9])];
-        channel.table.slow_parts = vec![SlowPartData {
-            tau_s: 900.0,
-            limit_c: 4.25,
-            gain: vec![-0.75, 0.0625, 3.0],
-        }];
-        let plays = channel.table.plays.iter().map(|play| &play.gain);
-        let slow_parts = channel.table.slow_parts.iter().map(|part| &part.gain);
-        let gains: Vec<&Vec<f32>> = plays.chain(slow_parts).collect();
-        for (number, axis) in channel.axes.iter_mut().enumerate() {
-            let of_axis = gains.iter().map(|gain| f64::from(gain[number]));
-            axis.gains = of_axis
-                .map(|gain| GainSet {
-                    gain,
-                    sigma: gain.abs() / 16.0,
-                })
-                .collect();
+        let table = &mut channel.table;
+        table.thermal.half_width1_c = 2.5;
+        table.thermal.half_width2_c = 8.0;
+        table.thermal.tau2_s = 900.0;
+        table.thermal.lag2_min_c = -3.5;
+        table.thermal.lag2_max_c = 4.25;
+        table.play_gains = vec![[0.25, 0.01], [-0.5, 0.0], [0.125, 1e-9]];
+        for (number, of_lag) in [-0.75_f32, 0.0625, 3.0].into_iter().enumerate() {
+            for cell in &mut table.cells {
+                cell[number].s[0] = of_lag;
+            }
+            let axis = &mut channel.axes[number];
+            for polynomial in &mut axis.polynomials {
+                polynomial.s[0] = of_lag.into();
+            }
+            for sigmas in &mut axis.sigmas {
+                sigmas.s[0] = f64::from(of_lag.abs()) / 16.0;
+            }
+            let gains = table.play_gains[number].map(f64::from);
+            let with_sigma = |gain: f64| GainSet {
+                gain,
+                sigma: gain.abs() / 16.0,
+            };
+            axis.gains = gains.map(with_sigma).to_vec();
         }
     }
-    set.table_crc32 = format!("{:08x}", set.crc32());
+    set.seal();
 }

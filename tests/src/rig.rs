@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 
 use tempco::{Terms, ThermalSettings};
 use tempco_hil::{Error, Patience, Unit};
-use tempco_image::{Channel, ChannelHistory, Info, Unit as AxisUnit, encode};
+use tempco_image::{Axis, Channel, Info, Unit as AxisUnit, encode};
 use tempco_link::{Fault, FaultSet, Telemetry};
 use tempco_qemu::{
     Board, Machine, MachineOptions, MachineTime, Variant, Workspace, build_variant, ensure_qemu,
@@ -251,14 +251,14 @@ pub fn quick_table(table_crc: u32) -> Vec<u8> {
         last_edge_c: 80.0,
         t_min_c: -40.0,
         t_max_c: 80.0,
-        units: AxisUnit::array(&[AxisUnit::PulsesPerS; 3]),
+        period_s: 0.0,
+        axes: Axis::array(&[Axis::new(AxisUnit::PulsesPerS); 3]),
         cells: CELLS.as_flattened(),
-        history: ChannelHistory::NONE,
     };
     let info = Info {
         serial: SERIAL,
         table_crc,
-        continuous: false,
+        ..Info::default()
     };
     let mut bytes = vec![0; 4096];
     let len = encode(&info, &[channel], &mut bytes).expect("an image");

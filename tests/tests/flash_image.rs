@@ -4,9 +4,8 @@ use std::fs;
 use std::process::Command;
 
 use serde_json::Value;
-use tempco::{Play, SlowPart};
-use tempco_image::{AlignedBytes, Image, Info, encode};
-use tempco_set::{CoefficientSet, PlayData, load_set, table_bin, table_h};
+use tempco_image::{AlignedBytes, Image, Info, contents_len, encode};
+use tempco_set::{CoefficientSet, load_set, table_bin, table_h};
 use tempco_tests::Bench;
 use tempco_tests::history::add_history;
 
@@ -54,25 +53,18 @@ fn the_image_holds_the_tables_of_the_set() {
         assert_eq!(image.channels(), set.channels.len());
         let data = &set.channels[0].table;
         let cells = data.terms::<3>(0);
-        let table = data.table_over(&cells).unwrap();
-        assert_eq!(image.table::<3, 0, 0>(0).unwrap(), table);
+        assert_eq!(
+            image.table::<3>(0).unwrap(),
+            data.table_over(0, &cells).unwrap()
+        );
 
         let data = &with_history(&bench).channels[0].table;
         let place = aligned(&fs::read(bench.path("with/table.bin")).unwrap());
         let image = Image::read(&place.0).unwrap();
-        let play = |of: &PlayData| Play {
-            half_width_c: of.half_width_c,
-            gain: of.gain[..].try_into().unwrap(),
-        };
-        let slow = &data.slow_parts[0];
-        let slow_part = SlowPart {
-            tau_s: slow.tau_s,
-            limit_c: slow.limit_c,
-            gain: slow.gain[..].try_into().unwrap(),
-        };
-        let plays = [play(&data.plays[0]), play(&data.plays[1])];
-        let table = table.with_history(plays, [slow_part]).unwrap();
-        assert_eq!(image.table::<3, 2, 1>(0).unwrap(), table);
+        let cells = data.terms::<3>(0);
+        let table = data.table_over(0, &cells).unwrap();
+        assert_eq!(table.play_gains()[0], [0.25, -0.5, 0.125]);
+        assert_eq!(image.table::<3>(0).unwrap(), table);
     }
 }
 
@@ -80,7 +72,7 @@ fn the_image_holds_the_tables_of_the_set() {
 fn inspect_shows_an_image_and_compares_it() {
     let bench = fitted("");
     let shown = bench.ok("inspect set/table.bin --against set/coefficients.json");
-    for part in ["unit SN?7", "layout 1.0", "axes in", "the image is that of"] {
+    for part in ["unit SN?7", "layout 2.0", "axes in", "the image is that of"] {
         assert!(shown.contains(part), "{shown}");
     }
     bench.ok("fit log.csv --serial SN8 --out other --segments 6:45");
@@ -94,7 +86,7 @@ fn inspect_shows_an_image_and_compares_it() {
     for part in [
         "play: half width 2.5 degC, gain per degC 0.25 pulses/s, -0.5 pulses/s, 0.125 pulses/s",
         "play: half width 8 degC",
-        "second thermal lag: tau 900 s, lag up to 4.25 degC, gain per degC -0.75 pulses/s",
+        "second lag: tau 900 s, -3.5 to 4.25 degC",
         "the image is that of with",
     ] {
         assert!(shown.contains(part), "{part}: {shown}");
@@ -111,7 +103,7 @@ fn inspect_shows_an_image_and_compares_it() {
         (&longer, "bad.bin: 4 bytes behind the image"),
         (
             &good[..70].to_vec(),
-            "bad.bin: 70 bytes, but the image needs 72",
+            "bad.bin: 70 bytes, but the image needs 80",
         ),
         (&Vec::new(), "bad.bin: 0 bytes"),
     ] {
@@ -239,8 +231,14 @@ fn the_c_header_compiles_and_holds_the_same_numbers() {
         };
         let image = fs::read(bench.path(&format!("{folder}/table.bin"))).unwrap();
         // The channel as in the image, but for the codes of the units.
-        let (head, rest) = (&image[72..136], &image[144..image.len() - 4]);
-        assert_eq!(printed, [head, rest, b"SN?7"].concat(), "{folder}");
+        let (head, rest) = image[80..contents_len(image.len()).unwrap()].split_at(108);
+        let (axes, cells) = rest.split_at(3 * 28);
+        let axes: Vec<u8> = axes
+            .chunks(28)
+            .flat_map(|axis| &axis[4..])
+            .copied()
+            .collect();
+        assert_eq!(printed, [head, &axes, cells, b"SN?7"].concat(), "{folder}");
     }
 }
 
@@ -252,19 +250,10 @@ fn printed_by_c(bench: &Bench, folder: &str) -> Option<Vec<u8>> {
 #include "table.h"
 int main(void) {
     const tempco_channel_t *channel = &tempco_channels[0];
-    uint32_t i;
     fwrite(&channel->thermal, sizeof(tempco_thermal_t), 1, stdout);
-    fwrite(&channel->first_edge_c, sizeof(float), 4, stdout);
+    fwrite(&channel->first_edge_c, sizeof(float), 5, stdout);
     fwrite(&channel->cell_count, sizeof(uint32_t), 1, stdout);
-    for (i = 0; i < channel->play_count; i++) {
-        fwrite(&channel->plays[i].half_width_c, sizeof(float), 1, stdout);
-        fwrite(channel->plays[i].gain, sizeof(float), TEMPCO_AXES, stdout);
-    }
-    for (i = 0; i < channel->slow_part_count; i++) {
-        fwrite(&channel->slow_parts[i].tau_s, sizeof(float), 1, stdout);
-        fwrite(&channel->slow_parts[i].limit_c, sizeof(float), 1, stdout);
-        fwrite(channel->slow_parts[i].gain, sizeof(float), TEMPCO_AXES, stdout);
-    }
+    fwrite(channel->axes, sizeof(tempco_axis_t), TEMPCO_AXES, stdout);
     fwrite(channel->cells, sizeof(tempco_terms_t), channel->cell_count * TEMPCO_AXES, stdout);
     fputs(TEMPCO_SERIAL, stdout);
     return TEMPCO_CHANNELS - 1;

@@ -126,7 +126,7 @@ fn one_bit_of_a_coefficient_is_found(bench: &Bench, machine: &Machine) {
     let mut place = Box::new(AlignedBytes([0; 65_536]));
     place.0[..bytes.len()].copy_from_slice(&bytes);
     let image = Image::read(&place.0).unwrap();
-    let [good] = image.tables::<1, 3, 2, 1>().unwrap();
+    let [good] = image.tables::<1, 3>().unwrap();
     let mut cells = good.cells().to_vec();
     // A cell of the temperatures that are replayed.
     let warm = cells.len() / 2;

@@ -109,7 +109,7 @@ fn statistics(set: &mut Value, figures: &[(&str, f64)]) {
 
 fn held_out(set: &mut Value, figures: &[(&str, f64)]) {
     let axis = &mut set["channels"][0]["axes"][0]["held_out"];
-    *axis = json!({"legs": 4, "folds": 2, "none": 1.0, "cubic": 0.5, "static": 0.5,
+    *axis = json!({"soaks_and_ramps": 4, "folds": 2, "none": 1.0, "cubic": 0.5, "static": 0.5,
         "composite": 0.5, "chosen": 0.5});
     for (key, value) in figures {
         axis[key] = json!(value);
@@ -122,7 +122,7 @@ fn signed_off(accepted: bool, worse_axes: &[&str]) -> Value {
 }
 
 fn chosen(model: &str, rate_columns: usize, rates: &[f64]) -> Value {
-    json!({"legs": 4, "folds": 2, "ramp_rates_c_per_min": rates, "others": [],
+    json!({"soaks_and_ramps": 4, "folds": 2, "ramp_rates_c_per_min": rates, "others": [],
         "chosen": {"model": model, "segments": 2, "place": "uniform", "rate_columns": rate_columns,
             "columns": 7, "tau_s": 60.0, "kappa": 0.0, "rmse": [0.1, 0.1], "excess": 0.0,
             "excess_sigma": 0.1}})
@@ -224,15 +224,15 @@ const CASES: [Case; 41] = [
     },
     Case {
         name: "spikes",
-        change: |set| set["channels"][0]["screening"]["spike_rows"] = json!(7),
+        change: |set| set["channels"][0]["outliers"]["spike_rows"] = json!(7),
         codes: &["spikes"],
         ..PLAIN
     },
     Case {
         name: "rows left out",
         change: |set| {
-            set["channels"][0]["screening"]["excluded_rows"] = json!(7);
-            set["channels"][0]["screening"]["disturbed_rows"] = json!(7);
+            set["channels"][0]["outliers"]["excluded_rows"] = json!(7);
+            set["channels"][0]["outliers"]["disturbed_rows"] = json!(7);
         },
         codes: &["disturbed_rows", "excluded_rows"],
         ..PLAIN
@@ -241,7 +241,7 @@ const CASES: [Case; 41] = [
         name: "a step",
         change: |set| {
             let step = json!({"file": "a.csv", "axis": "x", "time_s": 9.0, "size": 1.0});
-            set["channels"][0]["screening"]["steps"] = json!([step]);
+            set["channels"][0]["outliers"]["steps"] = json!([step]);
         },
         codes: &["bias_step"],
         ..PLAIN
@@ -251,7 +251,7 @@ const CASES: [Case; 41] = [
         change: |set| {
             let step = json!({"file": "a.csv", "axis": "x", "time_s": 9.0, "size": 1.0,
                 "levelled": true, "large": true});
-            set["channels"][0]["screening"]["steps"] = json!([step]);
+            set["channels"][0]["outliers"]["steps"] = json!([step]);
         },
         codes: &["bias_step", "large_bias_step"],
         ..PLAIN
@@ -261,7 +261,7 @@ const CASES: [Case; 41] = [
         change: |set| {
             let place = json!({"file": "a.csv", "axis": "x", "rows": 9, "share": 0.04,
                 "from_s": 1.0, "to_s": 9.0, "left_out": false});
-            set["channels"][0]["screening"]["disturbances"] = json!([place]);
+            set["channels"][0]["outliers"]["disturbances"] = json!([place]);
         },
         codes: &["disturbed_share"],
         ..PLAIN
@@ -271,8 +271,8 @@ const CASES: [Case; 41] = [
         change: |set| {
             let place = json!({"file": "a.csv", "axis": "x", "rows": 99, "share": 0.06,
                 "from_s": 1.0, "to_s": 9.0, "left_out": true});
-            set["channels"][0]["screening"]["spike_rows"] = json!(99);
-            set["channels"][0]["screening"]["spikes"] = json!([place]);
+            set["channels"][0]["outliers"]["spike_rows"] = json!(99);
+            set["channels"][0]["outliers"]["spikes"] = json!([place]);
         },
         codes: &["disturbed_share", "spikes"],
         ..PLAIN
@@ -280,7 +280,7 @@ const CASES: [Case; 41] = [
     Case {
         name: "a thin run",
         change: |set| {
-            set["channels"][0]["screening"]["extent"] = json!({"covered_c": 12, "means": 59,
+            set["channels"][0]["outliers"]["extent"] = json!({"covered_c": 12, "means": 59,
                 "heated_c": 12.0, "cooled_c": 0.0, "too_fast": {"file": "a.csv",
                 "rate_c_per_min": 40.0, "limit_c_per_min": 30.0, "share": 0.5, "from_s": 1.0,
                 "to_s": 9.0}});

@@ -142,14 +142,17 @@ fn a_damaged_set_is_refused() {
     bench.write("cut.json", &json[..json.len() / 2]);
     bench.write(
         "other.json",
-        &json.replace("\"format_version\": 1", "\"format_version\": 2"),
+        &json.replace("\"format_version\": 2", "\"format_version\": 3"),
     );
     for (file, part) in [
         ("cell.json", "damaged or changed by hand"),
         ("tau.json", "damaged or changed by hand"),
         ("range.json", "damaged or changed by hand"),
         ("cut.json", "expected a coefficient set"),
-        ("other.json", "expected tempco-coefficients version 1"),
+        (
+            "other.json",
+            "version 3 of the format: expected 2, or 1 of tempco 0.1",
+        ),
         // The words are the system's, the number is that of Unix and Windows.
         ("none.json", "(os error 2)"),
     ] {

@@ -114,7 +114,7 @@ fn excluded_stretches_are_left_out_and_counted() {
         "{printed}"
     );
     let set = set(&bench, "set");
-    assert_eq!(set["channels"][0]["screening"]["excluded_rows"], 400);
+    assert_eq!(set["channels"][0]["outliers"]["excluded_rows"], 400);
     let refused = bench.run("fit log.csv --serial S1 --out other --exclude 9:3");
     assert_eq!(refused.code, 2);
     assert!(refused.err.contains("T1 before T2"), "{}", refused.err);

@@ -233,7 +233,7 @@ fn history_terms_have_a_table_where_there_are_any() {
         (4, "y [pulses/s]|play|8.000|-|-|-|"),
         (
             8,
-            "z [pulses/s]|second thermal lag|-|900.0|4.250|3.000\u{b1} 1.9e-1|",
+            "z [pulses/s]|second lag|-|900.0|4.250|3.000\u{b1} 1.9e-1|",
         ),
     ] {
         let found = text_of(rows[row]);

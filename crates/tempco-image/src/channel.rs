@@ -1,8 +1,11 @@
-//! One temperature channel of an image: settings, grid and cells.
+//! One temperature channel of an image: settings, grid, axes and cells.
+
+use core::array::from_fn;
 
 use tempco::{MAX_AXES, Table, TableError, Terms, Thermal, ThermalSettings};
 
-use crate::{ChannelHistory, ImageError, MAX_PLAYS, MAX_SLOW_PARTS, Unit};
+use crate::axis::is_usable;
+use crate::{Axis, ImageError};
 
 /// A bias may jump by this share of the magnitudes that are added up for it and still count as
 /// continuous: coefficients in f32 cannot all meet exactly.
@@ -21,95 +24,107 @@ pub struct Channel<'a> {
     pub t_min_c: f32,
     /// Hot end of the calibrated range \[degC\].
     pub t_max_c: f32,
-    /// Unit of each axis, then `None`.
-    pub units: [Option<Unit>; MAX_AXES],
+    /// Time between two temperatures that the fit used \[s\]; 0 where it is not known.
+    pub period_s: f32,
+    /// Each axis, then `None`.
+    pub axes: [Option<Axis>; MAX_AXES],
     /// The axes of the coldest cell, then all axes of the next.
     pub cells: &'a [Terms],
-    /// Terms of the thermal history.
-    pub history: ChannelHistory,
 }
 
 impl<'a> Channel<'a> {
     /// Number of axes.
-    pub fn axes(&self) -> usize {
-        self.units.iter().map_while(|unit| *unit).count()
+    pub fn axis_count(&self) -> usize {
+        self.axes.iter().map_while(Option::as_ref).count()
     }
 
-    /// The core's table of this channel, number `channel`, with the cells borrowed; history terms
-    /// that it does not have become ones without gain.
+    /// The core's table of this channel, number `channel`, with the cells borrowed.
     ///
     /// # Errors
     /// As [`Image::table`](crate::Image::table), but for jumps.
-    pub(crate) fn table<const AXES: usize, const PLAYS: usize, const SLOW: usize>(
+    pub(crate) fn table<const AXES: usize>(
         &self,
         channel: usize,
-    ) -> Result<Table<'a, AXES, PLAYS, SLOW>, ImageError> {
+    ) -> Result<Table<'a, AXES>, ImageError> {
         let (cells, rest) = self.cells.as_chunks::<AXES>();
-        if self.axes() != AXES || !rest.is_empty() {
+        if self.axis_count() != AXES || !rest.is_empty() {
             return Err(ImageError::Shape);
         }
-        let (plays, slow_parts) = self.history.counts();
-        if plays > PLAYS || slow_parts > SLOW {
-            return Err(ImageError::History { plays, slow_parts });
+        let table = self
+            .table_of(cells)
+            .map_err(|error| ImageError::Table { channel, error })?;
+        for (axis, record) in self.axes.iter().enumerate() {
+            if let Some(name) = record.as_ref().and_then(Axis::bad_number) {
+                return Err(ImageError::Axis {
+                    channel,
+                    axis,
+                    name,
+                });
+            }
         }
-        self.table_of(cells)
-            .map_err(|error| ImageError::Table { channel, error })
+        Ok(table)
     }
 
-    fn table_of<const AXES: usize, const PLAYS: usize, const SLOW: usize>(
+    fn table_of<const AXES: usize>(
         &self,
         cells: &'a [[Terms; AXES]],
-    ) -> Result<Table<'a, AXES, PLAYS, SLOW>, TableError> {
+    ) -> Result<Table<'a, AXES>, TableError> {
+        if !is_usable(self.period_s) {
+            return Err(TableError::Setting("period_s"));
+        }
+        let gain = |play: usize, axis: usize| {
+            let record = self.axes.get(axis)?.as_ref()?;
+            record.play_gains.get(play).copied()
+        };
         let thermal = Thermal::new(self.thermal)?;
         Table::new(thermal, self.first_edge_c, self.last_edge_c, cells)?
             .calibrated(self.t_min_c, self.t_max_c)?
-            .with_history(
-                self.history.core_plays(),
-                self.history.core_slow_parts(self.thermal.tau_s),
-            )
+            .with_plays(from_fn(|play| {
+                from_fn(|axis| gain(play, axis).unwrap_or(0.0))
+            }))
     }
 
-    /// The first cell, with the axis, behind which the bias jumps: at its hot edge, at the lowest,
-    /// zero or highest rate, by more than rounding of the coefficients to f32 can explain.
+    /// The first cell, with the axis, behind which the bias jumps: at its hot edge, by more than
+    /// rounding of the coefficients to f32 can explain, with rate and second lag zero or one of
+    /// them lowest or highest.
     pub fn jump(&self) -> Option<(usize, usize)> {
-        let axes = self.axes();
+        let axes = self.axis_count();
         let neighbours = self.cells.iter().zip(self.cells.get(axes..)?);
         let position = neighbours.into_iter().position(|(cold, hot)| {
-            let rates = [
-                0.0,
-                self.thermal.rate_min_c_per_min,
-                self.thermal.rate_max_c_per_min,
+            let points = [
+                (0.0, 0.0),
+                (self.thermal.rate_min_c_per_min, 0.0),
+                (self.thermal.rate_max_c_per_min, 0.0),
+                (0.0, self.thermal.lag2_min_c),
+                (0.0, self.thermal.lag2_max_c),
             ];
-            rates.into_iter().any(|rate| jumps(cold, hot, rate))
+            points
+                .into_iter()
+                .any(|(rate, lag2_c)| jumps(cold, hot, rate, lag2_c))
         })?;
         Some((position.checked_div(axes)?, position.checked_rem(axes)?))
     }
 
-    /// As [`table`](Self::table), for any number of axes and history terms: what it would refuse.
+    /// As [`table`](Self::table), for any number of axes: what it would refuse.
     pub(crate) fn check(&self, channel: usize) -> Result<(), ImageError> {
-        match self.axes() {
-            1 => self.check_axes::<1>(channel),
-            2 => self.check_axes::<2>(channel),
-            3 => self.check_axes::<3>(channel),
-            4 => self.check_axes::<4>(channel),
-            5 => self.check_axes::<5>(channel),
-            6 => self.check_axes::<6>(channel),
+        match self.axis_count() {
+            1 => self.table::<1>(channel).map(drop),
+            2 => self.table::<2>(channel).map(drop),
+            3 => self.table::<3>(channel).map(drop),
+            4 => self.table::<4>(channel).map(drop),
+            5 => self.table::<5>(channel).map(drop),
+            6 => self.table::<6>(channel).map(drop),
             _ => Err(ImageError::Shape),
         }
     }
-
-    fn check_axes<const AXES: usize>(&self, channel: usize) -> Result<(), ImageError> {
-        self.table::<AXES, MAX_PLAYS, MAX_SLOW_PARTS>(channel)
-            .map(drop)
-    }
 }
 
-fn jumps(cold: &Terms, hot: &Terms, rate_c_per_min: f32) -> bool {
+fn jumps(cold: &Terms, hot: &Terms, rate_c_per_min: f32, lag2_c: f32) -> bool {
     let magnitude = |terms: &Terms| {
         let sum = |values: &[f32]| values.iter().map(|value| value.abs()).sum::<f32>();
-        sum(&terms.a) + rate_c_per_min.abs() * sum(&terms.r)
+        sum(&terms.a) + rate_c_per_min.abs() * sum(&terms.r) + lag2_c.abs() * sum(&terms.s)
     };
-    let jump = hot.bias(0.0, rate_c_per_min) - cold.bias(1.0, rate_c_per_min);
+    let jump = hot.bias(0.0, rate_c_per_min, lag2_c) - cold.bias(1.0, rate_c_per_min, lag2_c);
     let limit = JUMP_TOLERANCE * (magnitude(cold) + magnitude(hot));
     jump.abs() > limit
 }

@@ -4,6 +4,8 @@ use core::fmt;
 
 use tempco::TableError;
 
+use crate::{FORMAT, MAX_CELLS_LEN};
+
 /// Why an image was refused, or could not be written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -41,12 +43,10 @@ pub enum ImageError {
     Serial,
     /// The channel does not exist or has another number of axes than was asked for.
     Shape,
-    /// The image has more history terms than the program was compiled for.
-    History {
-        /// Plays that it has.
-        plays: usize,
-        /// Second thermal lags that it has.
-        slow_parts: usize,
+    /// The cells of all channels are more than an image may have.
+    TooLarge {
+        /// Bytes of the cells.
+        cells_len: usize,
     },
     /// The core refuses settings, grid or cells of a channel.
     Table {
@@ -54,6 +54,15 @@ pub enum ImageError {
         channel: usize,
         /// Why.
         error: TableError,
+    },
+    /// A number of an axis is not finite or below zero.
+    Axis {
+        /// Number of the channel.
+        channel: usize,
+        /// Number of the axis.
+        axis: usize,
+        /// The number.
+        name: &'static str,
     },
     /// The bias jumps at the hot edge of a cell of an image marked as continuous.
     Jump {
@@ -76,7 +85,11 @@ impl fmt::Display for ImageError {
             }
             Self::Magic => f.write_str("not a table image"),
             Self::Format { major } => {
-                write!(f, "layout version {major}, expected {}", crate::FORMAT.0)
+                write!(f, "layout version {major}, expected {}", FORMAT.0)?;
+                if major < FORMAT.0 {
+                    f.write_str("; write it again from coefficients.json")?;
+                }
+                Ok(())
             }
             Self::Model { major } => {
                 write!(f, "model version {major}, expected {}", crate::MODEL.0)
@@ -88,11 +101,20 @@ impl fmt::Display for ImageError {
             Self::Field(name) => write!(f, "field {name} is out of range or does not agree"),
             Self::Serial => f.write_str("the image is of another unit"),
             Self::Shape => f.write_str("not the expected channels and axes"),
-            Self::History { plays, slow_parts } => write!(
+            Self::TooLarge { cells_len } => write!(
                 f,
-                "{plays} plays and {slow_parts} second thermal lags, more than this program was compiled for"
+                "the cells take {cells_len} bytes, but an image has room for {MAX_CELLS_LEN}; \
+                 fewer cells are needed"
             ),
             Self::Table { channel, error } => write!(f, "channel {channel}: {error}"),
+            Self::Axis {
+                channel,
+                axis,
+                name,
+            } => write!(
+                f,
+                "channel {channel}, axis {axis}: {name} is not finite or below zero"
+            ),
             Self::Jump {
                 channel,
                 cell,

@@ -1,19 +1,20 @@
 //! Reads an image where it lies.
 
 use tempco::{MAX_AXES, MAX_CELLS, Table, Terms, ThermalSettings};
-use zerocopy::{F32, FromBytes, LittleEndian};
+use zerocopy::FromBytes;
+use zerocopy::little_endian::{F32, U16};
 
 use crate::check::{check_block, split};
 use crate::layout::{
-    CHANNEL_LEN, CONTINUOUS, HEADER_CRC_AT, HEADER_LEN, RawChannel, RawHeader, TERMS_LEN,
-    history_len,
+    AXIS_LEN, CHANNEL_LEN, CONTINUOUS, HEADER_CRC_AT, HEADER_LEN, RawAxis, RawChannel, RawHeader,
+    TERMS_LEN,
 };
 use crate::{
-    CRC, Channel, ChannelHistory, FORMAT, ImageError, MAGIC, MAX_PLAYS, MAX_SLOW_PARTS, MODEL, Unit,
+    Axis, CRC, Channel, FORMAT, ImageError, MAGIC, MAX_CELLS_LEN, MAX_SIGNATURE_LEN, MODEL,
 };
 
 /// What an image says about itself.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Info<'a> {
     /// Serial number of the unit: 1 to 32 bytes without control characters.
@@ -22,6 +23,21 @@ pub struct Info<'a> {
     pub table_crc: u32,
     /// Whether the biases of neighbouring cells meet; it is checked.
     pub continuous: bool,
+    /// Grows with every table that is released, where tables are signed.
+    pub security_counter: u32,
+    /// The key of the signature; 0 where there is none.
+    pub key_id: u16,
+    /// The signature: a multiple of 4 bytes, at most [`MAX_SIGNATURE_LEN`]. It is not interpreted
+    /// here.
+    pub signature: &'a [u8],
+}
+
+impl Info<'_> {
+    /// Whether the signature has a length that it may have, and a key exactly where it has bytes.
+    pub(crate) fn is_signature_usable(&self) -> bool {
+        let len = self.signature.len();
+        len <= MAX_SIGNATURE_LEN && len.is_multiple_of(4) && (len > 0) == (self.key_id != 0)
+    }
 }
 
 /// An image whose integrity was checked.
@@ -34,10 +50,9 @@ pub struct Image<'a> {
     model: (u16, u16),
     header_len: usize,
     channel_len: usize,
+    axis_len: usize,
     channels: usize,
     axes: usize,
-    plays: usize,
-    slow_parts: usize,
 }
 
 impl<'a> Image<'a> {
@@ -54,25 +69,28 @@ impl<'a> Image<'a> {
             given: bytes.len(),
             needed: total_len,
         })?;
-        let pair = |versions: [zerocopy::little_endian::U16; 2]| {
+        let pair = |versions: [U16; 2]| {
             let [major, minor] = versions;
             (major.get(), minor.get())
         };
-        let image = Self {
+        let signature_len = header.signature_len.get().into();
+        let mut image = Self {
             bytes,
             info: info(header)?,
             format: pair(header.format),
             model: pair(header.model),
             header_len: header.header_len.get().into(),
             channel_len: header.channel_len.get().into(),
+            axis_len: header.axis_len.get().into(),
             channels: header.channels.into(),
             axes: header.axes.into(),
-            plays: header.plays.into(),
-            slow_parts: header.slow_parts.into(),
         };
         image.check_counts()?;
         (0..image.blocks()).try_for_each(|block| check_block(bytes, block))?;
-        image.check_channels()?;
+        image.info.signature = image.check_channels(signature_len)?;
+        if !image.info.is_signature_usable() {
+            return Err(ImageError::Field("signature"));
+        }
         Ok(image)
     }
 
@@ -86,13 +104,12 @@ impl<'a> Image<'a> {
             (split(self.bytes).is_some(), "total_len"),
             (is_len(self.header_len, HEADER_LEN), "header_len"),
             (is_len(self.channel_len, CHANNEL_LEN), "channel_len"),
+            (is_len(self.axis_len, AXIS_LEN), "axis_len"),
             (self.channels > 0, "channels"),
             (
                 self.axes > 0 && self.channels * self.axes <= MAX_AXES,
                 "axes",
             ),
-            (self.plays <= MAX_PLAYS, "plays"),
-            (self.slow_parts <= MAX_SLOW_PARTS, "slow_parts"),
         ] {
             if !good {
                 return Err(ImageError::Field(name));
@@ -101,18 +118,22 @@ impl<'a> Image<'a> {
         Ok(())
     }
 
-    /// The channels must fill the contents exactly.
-    fn check_channels(&self) -> Result<(), ImageError> {
+    /// The channels and the signature must fill the contents exactly; returns the signature.
+    fn check_channels(&self, signature_len: usize) -> Result<&'a [u8], ImageError> {
         let mut at = self.header_len;
+        let mut cells_len: usize = 0;
         for _ in 0..self.channels {
-            at = self.channel_at(at)?.1;
+            let (channel, end) = self.channel_at(at)?;
+            cells_len = cells_len.saturating_add(size_of_val(channel.cells));
+            at = end;
         }
-        let end = split(self.bytes).map(|(contents, _)| contents.len());
-        if end == Some(at) {
-            Ok(())
-        } else {
-            Err(ImageError::Field("total_len"))
+        if cells_len > MAX_CELLS_LEN {
+            return Err(ImageError::TooLarge { cells_len });
         }
+        let signature = split(self.bytes).and_then(|(contents, _)| contents.get(at..));
+        signature
+            .filter(|signature| signature.len() == signature_len)
+            .ok_or(ImageError::Field("total_len"))
     }
 
     /// The channel that begins at a place, and where it ends.
@@ -125,53 +146,49 @@ impl<'a> Image<'a> {
         if !(1..=MAX_CELLS).contains(&count) {
             return Err(CELLS);
         }
-        let (axes, plays, slow_parts) = (self.axes, self.plays, self.slow_parts);
-        let begin = history_len(axes, plays, slow_parts).saturating_add(self.channel_len);
-        let history = rest.get(self.channel_len..begin).ok_or(CELLS)?;
-        let history = <[F32<LittleEndian>]>::ref_from_bytes(history).map_err(|_| CELLS)?;
-        let cells_len = count.saturating_mul(axes).saturating_mul(TERMS_LEN);
+        let axes_len = self.axes.saturating_mul(self.axis_len);
+        let begin = self.channel_len.saturating_add(axes_len);
+        let axes = rest.get(self.channel_len..begin).ok_or(CELLS)?;
+        let cells_len = count.saturating_mul(self.axes).saturating_mul(TERMS_LEN);
         let end = begin.saturating_add(cells_len);
         let cells = rest.get(begin..end).ok_or(CELLS)?;
         let cells = <[Terms]>::ref_from_bytes(cells).map_err(|_| ImageError::Alignment)?;
         let channel = Channel {
-            thermal: ThermalSettings::from_array(head.thermal.map(F32::<LittleEndian>::get)),
+            thermal: ThermalSettings::from_array(head.thermal.map(F32::get)),
             first_edge_c: head.first_edge_c.get(),
             last_edge_c: head.last_edge_c.get(),
             t_min_c: head.t_min_c.get(),
             t_max_c: head.t_max_c.get(),
-            units: self.units(&head.units)?,
+            period_s: head.period_s.get(),
+            axes: self.records(axes)?,
             cells,
-            history: ChannelHistory::from_numbers(history, axes, plays, slow_parts),
         };
         Ok((channel, at.saturating_add(end)))
     }
 
-    fn units(&self, codes: &[u8]) -> Result<[Option<Unit>; MAX_AXES], ImageError> {
-        const UNITS: ImageError = ImageError::Field("units");
-        let (used, unused) = codes.split_at_checked(self.axes).ok_or(UNITS)?;
-        if unused.iter().any(|&code| code != 0) {
-            return Err(UNITS);
+    /// The records of the axes of a channel.
+    fn records(&self, bytes: &[u8]) -> Result<[Option<Axis>; MAX_AXES], ImageError> {
+        let mut axes = [None; MAX_AXES];
+        // `axis_len` is at least the length of a record, so it is not zero.
+        for (axis, bytes) in axes
+            .iter_mut()
+            .zip(bytes.chunks_exact(self.axis_len.max(1)))
+        {
+            let record = RawAxis::ref_from_prefix(bytes);
+            let (raw, _) = record.map_err(|_| ImageError::Field("axis_len"))?;
+            *axis = Some(Axis::from_raw(raw)?);
         }
-        let mut units = [None; MAX_AXES];
-        for (unit, &code) in units.iter_mut().zip(used) {
-            *unit = Some(Unit::from_code(code).ok_or(UNITS)?);
-        }
-        Ok(units)
+        Ok(axes)
     }
 
     /// A table, with its cells borrowed from the image, for a program that was compiled for so
-    /// many axes, plays and second lags. History terms that the image does not have become ones
-    /// without gain.
+    /// many axes.
     ///
     /// # Errors
-    /// [`ImageError::Shape`] where there is no such channel or it has not `AXES` axes;
-    /// [`ImageError::History`] where it has more than `PLAYS` plays or `SLOW` second lags;
-    /// settings, grid, cells or history terms that the core refuses; a jump where the image is
-    /// marked as continuous.
-    pub fn table<const AXES: usize, const PLAYS: usize, const SLOW: usize>(
-        &self,
-        channel: usize,
-    ) -> Result<Table<'a, AXES, PLAYS, SLOW>, ImageError> {
+    /// [`ImageError::Shape`] where there is no such channel or it has not `AXES` axes; settings,
+    /// grid, cells or gains that the core refuses; a number of an axis that is not finite or below
+    /// zero; a jump where the image is marked as continuous.
+    pub fn table<const AXES: usize>(&self, channel: usize) -> Result<Table<'a, AXES>, ImageError> {
         let data = self.channel(channel)?;
         let table = data.table(channel)?;
         self.check_jumps(channel, &data)?;
@@ -182,14 +199,9 @@ impl<'a> Image<'a> {
     ///
     /// # Errors
     /// As [`table`](Self::table), and another number of channels.
-    pub fn tables<
-        const CHANNELS: usize,
-        const AXES: usize,
-        const PLAYS: usize,
-        const SLOW: usize,
-    >(
+    pub fn tables<const CHANNELS: usize, const AXES: usize>(
         &self,
-    ) -> Result<[Table<'a, AXES, PLAYS, SLOW>; CHANNELS], ImageError> {
+    ) -> Result<[Table<'a, AXES>; CHANNELS], ImageError> {
         if self.channels != CHANNELS {
             return Err(ImageError::Shape);
         }
@@ -201,10 +213,10 @@ impl<'a> Image<'a> {
         Ok(tables)
     }
 
-    /// Checks the contents of all channels, whatever their shape and history terms.
+    /// Checks the contents of all channels, whatever their shape.
     ///
     /// # Errors
-    /// As [`table`](Self::table), for a program compiled for all that an image can have.
+    /// As [`table`](Self::table).
     pub fn validate(&self) -> Result<(), ImageError> {
         (0..self.channels).try_for_each(|channel| {
             let data = self.channel(channel)?;
@@ -293,11 +305,6 @@ impl<'a> Image<'a> {
     pub const fn axes(&self) -> usize {
         self.axes
     }
-
-    /// Numbers of plays and second thermal lags of each channel.
-    pub const fn history(&self) -> (usize, usize) {
-        (self.plays, self.slow_parts)
-    }
 }
 
 /// The header, of a version this reader knows and undamaged.
@@ -341,5 +348,9 @@ fn info(header: &RawHeader) -> Result<Info<'_>, ImageError> {
         serial,
         table_crc: header.table_crc.get(),
         continuous: flags & CONTINUOUS != 0,
+        security_counter: header.security_counter.get(),
+        key_id: header.key_id.get(),
+        // Behind the channels, which come later.
+        signature: &[],
     })
 }

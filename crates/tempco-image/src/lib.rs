@@ -23,7 +23,7 @@
 //! # Example
 //!
 //! ```
-//! use tempco_image::{AlignedBytes, Channel, ChannelHistory, Image, Info, Unit, encode};
+//! use tempco_image::{AlignedBytes, Axis, Channel, Image, Info, Unit, encode};
 //! use tempco::{Terms, ThermalSettings};
 //!
 //! let cells = [Terms::new([0.1, 0.2, 0.0], [0.5, 0.0])];
@@ -33,17 +33,16 @@
 //!     last_edge_c: 80.0,
 //!     t_min_c: -40.0,
 //!     t_max_c: 80.0,
-//!     units: Unit::array(&[Unit::Dph]),
+//!     period_s: 1.0,
+//!     axes: Axis::array(&[Axis::new(Unit::Dph)]),
 //!     cells: &cells,
-//!     history: ChannelHistory::NONE,
 //! };
-//! let info = Info { serial: "SN7", table_crc: 0, continuous: true };
+//! let info = Info { serial: "SN7", continuous: true, ..Info::default() };
 //! let mut flash = AlignedBytes([0xff; 512]);
 //! encode(&info, &[channel], &mut flash.0)?;
 //!
 //! let image = Image::read(&flash.0)?;
-//! // The firmware may be compiled for more history terms than its unit has: here, one play.
-//! let table = image.table::<1, 1, 0>(0)?;
+//! let table = image.table::<1>(0)?;
 //! assert_eq!(table.cells()[0], cells);
 //! # Ok::<(), tempco_image::ImageError>(())
 //! ```
@@ -53,10 +52,10 @@
 #[cfg(target_endian = "big")]
 compile_error!("images are used in place, which takes a little-endian processor");
 
+mod axis;
 mod channel;
 mod check;
 mod error;
-mod history;
 mod image;
 mod layout;
 mod unit;
@@ -65,12 +64,14 @@ mod write;
 #[cfg(test)]
 extern crate std;
 
+pub use axis::Axis;
 pub use channel::Channel;
 pub use check::{BLOCK_LEN, CRC, contents_len, total_len};
 pub use error::ImageError;
-pub use history::ChannelHistory;
 pub use image::{Image, Info};
-pub use layout::{FORMAT, MAGIC, MAX_PLAYS, MAX_SLOW_PARTS, MODEL, SERIAL_LEN};
+pub use layout::{
+    FORMAT, MAGIC, MAX_CELLS_LEN, MAX_LEN, MAX_SIGNATURE_LEN, MODEL, SERIAL_LEN, max_cells,
+};
 pub use unit::Unit;
 pub use write::{encode, encoded_len};
 

@@ -1,7 +1,5 @@
 //! Units of the axes by code, so that a table in deg/h is not subtracted from pulses.
 
-use tempco::MAX_AXES;
-
 /// Unit of an axis and so of its bias.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -38,11 +36,5 @@ impl Unit {
             6 => Self::G,
             _ => return None,
         })
-    }
-
-    /// The units of up to [`MAX_AXES`] axes as a [`Channel`](crate::Channel) holds them; further
-    /// ones are left out.
-    pub fn array(units: &[Self]) -> [Option<Self>; MAX_AXES] {
-        core::array::from_fn(|axis| units.get(axis).copied())
     }
 }

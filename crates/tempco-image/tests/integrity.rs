@@ -4,7 +4,7 @@ mod common;
 
 use common::{Random, example, examples};
 use tempco::Terms;
-use tempco_image::{AlignedBytes, CRC, Image, ImageError, Unit, encode, encoded_len};
+use tempco_image::{AlignedBytes, CRC, Image, ImageError, MAX_LEN, encode, encoded_len};
 
 fn is_accepted(bytes: &[u8]) -> bool {
     Image::read(bytes).is_ok_and(|image| image.validate().is_ok())
@@ -12,9 +12,9 @@ fn is_accepted(bytes: &[u8]) -> bool {
 
 #[test]
 fn the_undamaged_image_is_accepted() {
-    let [(bytes, len), (with_history, more)] = examples();
-    assert_eq!((len, more), (188, 188 + 28));
-    assert!(is_accepted(&bytes.0[..len]) && is_accepted(&with_history.0[..more]));
+    let [(bytes, len), (signed, more)] = examples();
+    assert_eq!((len, more), (276, 276 + 8));
+    assert!(is_accepted(&bytes.0[..len]) && is_accepted(&signed.0[..more]));
 }
 
 /// All 1- and 2-bit flips by reading; all 3-bit flips by reading a third of a flip pair at random.
@@ -52,7 +52,7 @@ fn flipped_bits_are_found() {
 #[test]
 fn all_triples_of_flipped_bits_are_found() {
     for (bytes, len) in examples() {
-        for word in [&bytes.0[..72], &bytes.0[..len]] {
+        for word in [&bytes.0[..80], &bytes.0[..len]] {
             let effects: Vec<u32> = (0..8 * word.len())
                 .map(|bit| {
                     let covered = word.len() - 4;
@@ -81,7 +81,7 @@ fn all_triples_of_flipped_bits_are_found() {
 /// right.
 #[test]
 fn damage_of_the_header_is_found_by_its_own_crc() {
-    for (bit, (mut bytes, len)) in (8 * 12..8 * 72).flat_map(|bit| examples().map(|e| (bit, e))) {
+    for (bit, (mut bytes, len)) in (8 * 12..8 * 80).flat_map(|bit| examples().map(|e| (bit, e))) {
         bytes.0[bit / 8] ^= 1 << (bit % 8);
         let crc = CRC.checksum(&bytes.0[..len - 4]);
         bytes.0[len - 4..len].copy_from_slice(&crc.to_le_bytes());
@@ -103,12 +103,12 @@ fn truncated_images_and_blank_flash_are_refused() {
         assert!(is_accepted(&bytes.0));
         for fill in [0x00, 0xff] {
             let blank = AlignedBytes([fill; 4096]);
-            for len in [0, 4, 71, 72, 188, 4096] {
+            for len in [0, 4, 79, 80, 276, 4096] {
                 let error = Image::read(&blank.0[..len]).unwrap_err();
-                let expected = if len < 72 {
+                let expected = if len < 80 {
                     ImageError::Short {
                         given: len,
-                        needed: 72,
+                        needed: 80,
                     }
                 } else {
                     ImageError::Magic
@@ -164,15 +164,15 @@ fn random_corruption_is_found_ten_million_times() {
 #[test]
 fn every_block_of_a_long_image_is_covered() {
     let cells = [Terms::new([0.5, 0.0, 0.0], [0.25, 0.0]); 3 * 128];
-    let channel = common::channel(&cells, &[Unit::Dph; 3]);
+    let channel = common::channel(&cells, &[common::AXIS; 3]);
     let channels = [channel, channel];
-    let mut bytes = AlignedBytes([0; 16_384]);
+    let mut bytes = AlignedBytes([0; MAX_LEN]);
     let len = encode(&common::INFO, &channels, &mut bytes.0).unwrap();
-    assert_eq!(len, encoded_len(&channels));
-    assert_eq!(len, 72 + 2 * (72 + 3 * 128 * size_of::<Terms>()) + 4 * 4);
+    assert_eq!(len, encoded_len(&common::INFO, &channels));
+    assert_eq!(len, 80 + 2 * (108 + 3 * 28 + 3 * 128 * 28) + 6 * 4);
     let image = Image::read(&bytes.0).unwrap();
-    assert_eq!((image.blocks(), image.channel(1)), (4, Ok(channel)));
-    let [_, second] = image.tables::<2, 3, 0, 0>().unwrap();
+    assert_eq!((image.blocks(), image.channel(1)), (6, Ok(channel)));
+    let [_, second] = image.tables::<2, 3>().unwrap();
     assert_eq!(second.cells().as_flattened(), cells);
 
     let mut random = Random(3);
@@ -201,9 +201,9 @@ fn one_block_is_checked_at_a_time() {
 #[test]
 fn cells_are_used_in_place_and_only_if_aligned() {
     let (bytes, len) = example();
-    let table = Image::read(&bytes.0).unwrap().table::<1, 0, 0>(0).unwrap();
+    let table = Image::read(&bytes.0).unwrap().table::<1>(0).unwrap();
     let cells = table.cells().as_ptr() as usize;
-    assert_eq!(cells, bytes.0.as_ptr() as usize + 72 + 72);
+    assert_eq!(cells, bytes.0.as_ptr() as usize + common::CELLS_AT);
 
     let mut shifted = AlignedBytes([0; 512]);
     for shift in 1..4 {

@@ -4,8 +4,8 @@ mod common;
 
 use proptest::collection::vec;
 use proptest::prelude::*;
-use tempco::{Play, SlowPart, Terms, ThermalSettings};
-use tempco_image::{AlignedBytes, Channel, ChannelHistory, Image, Info, Unit, encode};
+use tempco::{Terms, ThermalSettings};
+use tempco_image::{AlignedBytes, Axis, Channel, Image, Info, Unit, encode};
 
 fn terms() -> impl Strategy<Value = Terms> {
     any::<[u32; Terms::COUNT]>().prop_map(|bits| Terms::from_array(bits.map(f32::from_bits)))
@@ -16,32 +16,36 @@ fn bits(cells: &[Terms]) -> Vec<u32> {
     numbers.map(f32::to_bits).collect()
 }
 
-/// Terms of so many axes, of the same random numbers in every channel.
-fn history(axes: usize, plays: usize, slow_parts: usize, numbers: &[u32; 8]) -> ChannelHistory {
-    let [width, tau, gain @ ..] = numbers.map(f32::from_bits);
-    let gain = std::array::from_fn(|axis| if axis < axes { gain[axis] } else { 0.0 });
-    let play = Play {
-        half_width_c: width,
-        gain,
-    };
-    let part = SlowPart {
-        tau_s: tau,
-        limit_c: width,
-        gain,
-    };
-    ChannelHistory::new::<6>(&[play; 2][..plays], &[part][..slow_parts]).unwrap()
+/// An axis of random numbers.
+fn axis() -> impl Strategy<Value = Axis> {
+    (1_u8..=6, any::<[u32; 6]>()).prop_map(|(code, numbers)| {
+        let [
+            scale_factor_arcsec,
+            row_noise,
+            row_noise_interval_s,
+            rezero_limit,
+            gains @ ..,
+        ] = numbers.map(f32::from_bits);
+        Axis {
+            unit: Unit::from_code(code).unwrap(),
+            scale_factor_arcsec,
+            row_noise,
+            row_noise_interval_s,
+            rezero_limit,
+            play_gains: gains,
+        }
+    })
 }
 
-fn history_bits(history: &ChannelHistory) -> Vec<u32> {
-    let plays = history.plays().flat_map(|play| {
-        let width = std::iter::once(play.half_width_c);
-        width.chain(play.gain)
-    });
-    let slow_parts = history.slow_parts().flat_map(|part| {
-        let settings = [part.tau_s, part.limit_c];
-        settings.into_iter().chain(part.gain)
-    });
-    plays.chain(slow_parts).map(f32::to_bits).collect()
+fn axis_bits(axis: Axis) -> (u8, Vec<u32>) {
+    let numbers = [
+        axis.scale_factor_arcsec,
+        axis.row_noise,
+        axis.row_noise_interval_s,
+        axis.rezero_limit,
+    ];
+    let numbers = numbers.into_iter().chain(axis.play_gains);
+    (axis.unit.code(), numbers.map(f32::to_bits).collect())
 }
 
 proptest! {
@@ -52,27 +56,30 @@ proptest! {
         shape in (1_usize..=6, 1_usize..=6).prop_filter("six axes", |(c, a)| c * a <= 6),
         cells in vec(terms(), 6 * 20),
         count in 1_usize..=20,
-        code in 1_u8..=6,
-        edges in any::<[u32; 4]>(),
-        terms in (0_usize..=2, 0_usize..=1, any::<[u32; 8]>()),
-        table_crc in any::<u32>(),
+        thermal in any::<[u32; ThermalSettings::NAMES.len()]>(),
+        temps in any::<[u32; 5]>(),
+        axes_of in vec(axis(), 6),
+        (table_crc, security_counter, key_id) in (any::<u32>(), any::<u32>(), 1_u16..),
         continuous in any::<bool>(),
         serial in "[ -~]{1,32}",
+        signature in vec(any::<[u8; 4]>(), 0..=32),
     ) {
         let (channels, axes) = shape;
-        let [first_edge_c, last_edge_c, t_min_c, t_max_c] = edges.map(f32::from_bits);
-        let unit = Unit::from_code(code).unwrap();
+        let thermal = thermal.map(f32::from_bits);
+        let [first_edge_c, last_edge_c, t_min_c, t_max_c, period_s] = temps.map(f32::from_bits);
         let written: Vec<Channel> = (0..channels).map(|number| Channel {
-            thermal: ThermalSettings { kappa: number as f32, ..ThermalSettings::DEFAULT },
+            thermal: ThermalSettings { kappa: number as f32, ..ThermalSettings::from_array(thermal) },
             first_edge_c,
             last_edge_c,
             t_min_c,
             t_max_c,
-            units: Unit::array(&[unit; 6][..axes]),
+            period_s,
+            axes: Axis::array(&axes_of[number..][..axes]),
             cells: &cells[number..][..axes * count],
-            history: history(axes, terms.0, terms.1, &terms.2),
         }).collect();
-        let info = Info { serial: &serial, table_crc, continuous };
+        let signature = signature.as_flattened();
+        let key_id = if signature.is_empty() { 0 } else { key_id };
+        let info = Info { serial: &serial, table_crc, continuous, security_counter, key_id, signature };
         let mut bytes = Box::new(AlignedBytes([0xee; 20_000]));
         let len = encode(&info, &written, &mut bytes.0).unwrap();
         let image = Image::read(&bytes.0).unwrap();
@@ -81,13 +88,14 @@ proptest! {
         prop_assert_eq!((image.channels(), image.axes()), shape);
         for (number, channel) in written.iter().enumerate() {
             let read = image.channel(number).unwrap();
-            prop_assert_eq!(read.thermal, channel.thermal);
-            prop_assert_eq!(read.units, channel.units);
-            let temps = |c: &Channel| [c.first_edge_c, c.last_edge_c, c.t_min_c, c.t_max_c].map(f32::to_bits);
-            prop_assert_eq!(temps(&read), temps(channel));
+            let numbers = |c: &Channel| {
+                let temps = [c.first_edge_c, c.last_edge_c, c.t_min_c, c.t_max_c, c.period_s];
+                c.thermal.to_array().into_iter().chain(temps).map(f32::to_bits).collect::<Vec<_>>()
+            };
+            prop_assert_eq!(numbers(&read), numbers(channel));
+            let axes = |c: &Channel| c.axes.map(|axis| axis.map(axis_bits));
+            prop_assert_eq!(axes(&read), axes(channel));
             prop_assert_eq!(bits(read.cells), bits(channel.cells));
-            prop_assert_eq!(read.history.counts(), (terms.0, terms.1));
-            prop_assert_eq!(history_bits(&read.history), history_bits(&channel.history));
         }
         // Whatever the numbers are, validation ends without a panic.
         let _ = image.validate();

@@ -9,20 +9,17 @@ use crate::{Outcome, Sample};
 /// The first sample starts every channel at its temperature; that sample and all later ones are
 /// then stepped with the time they bring along.
 #[derive(Clone, Debug)]
-pub struct Replay<'t, const C: usize, const A: usize, const PLAYS: usize = 0, const SLOW: usize = 0>
-{
-    tables: &'t [Table<'t, A, PLAYS, SLOW>; C],
-    units: [Compensator<'t, A, PLAYS, SLOW>; C],
+pub struct Replay<'t, const C: usize, const A: usize> {
+    tables: &'t [Table<'t, A>; C],
+    units: [Compensator<'t, A>; C],
     samples: u32,
     not_valid: u32,
     seen: Status,
 }
 
-impl<'t, const C: usize, const A: usize, const PLAYS: usize, const SLOW: usize>
-    Replay<'t, C, A, PLAYS, SLOW>
-{
+impl<'t, const C: usize, const A: usize> Replay<'t, C, A> {
     /// A replay before its first sample; one table per temperature channel.
-    pub fn new(tables: &'t [Table<'t, A, PLAYS, SLOW>; C]) -> Self {
+    pub fn new(tables: &'t [Table<'t, A>; C]) -> Self {
         Self {
             tables,
             units: tables.each_ref().map(Compensator::new),
@@ -56,7 +53,7 @@ impl<'t, const C: usize, const A: usize, const PLAYS: usize, const SLOW: usize>
 
     /// What happened so far.
     pub fn summary(&self) -> Summary {
-        let total = |count: fn(&Compensator<'t, A, PLAYS, SLOW>) -> u32| {
+        let total = |count: fn(&Compensator<'t, A>) -> u32| {
             self.units
                 .iter()
                 .fold(0, |sum: u32, unit| sum.saturating_add(count(unit)))

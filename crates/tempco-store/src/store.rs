@@ -74,8 +74,7 @@ impl Store {
     /// and asks `accept`; if it is not good, the other slot. Ends an update that is under way.
     ///
     /// `buffer` must be aligned to 4 bytes. `accept` validates, for instance, for one channel of
-    /// three axes, two plays and a second thermal lag:
-    /// `|image| { image.expect_serial(serial)?; image.tables::<1, 3, 2, 1>().map(drop) }`.
+    /// three axes: `|image| { image.expect_serial(serial)?; image.tables::<1, 3>().map(drop) }`.
     /// Afterwards, with an active table, `Image::read(&buffer[..active.len])` gives the same image
     /// again.
     ///

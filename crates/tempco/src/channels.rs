@@ -25,23 +25,15 @@ impl Schedule {
 ///
 /// The first temperatures start every channel, and count as being one time step after themselves.
 #[derive(Clone, Debug)]
-pub struct ThermalChannels<
-    't,
-    const C: usize,
-    const A: usize,
-    const PLAYS: usize = 0,
-    const SLOW: usize = 0,
-> {
-    tables: &'t [Table<'t, A, PLAYS, SLOW>; C],
-    halves: [ThermalHalf<'t, A, PLAYS, SLOW>; C],
+pub struct ThermalChannels<'t, const C: usize, const A: usize> {
+    tables: &'t [Table<'t, A>; C],
+    halves: [ThermalHalf<'t, A>; C],
     is_started: bool,
 }
 
-impl<'t, const C: usize, const A: usize, const PLAYS: usize, const SLOW: usize>
-    ThermalChannels<'t, C, A, PLAYS, SLOW>
-{
+impl<'t, const C: usize, const A: usize> ThermalChannels<'t, C, A> {
     /// Channels before their first temperatures.
-    pub fn new(tables: &'t [Table<'t, A, PLAYS, SLOW>; C], samples_per_update: u16) -> Self {
+    pub fn new(tables: &'t [Table<'t, A>; C], samples_per_update: u16) -> Self {
         Self {
             tables,
             halves: tables
@@ -89,18 +81,15 @@ impl<'t, const C: usize, const A: usize, const PLAYS: usize, const SLOW: usize>
 /// Both halves of each temperature channel, for those who have the temperatures between the gyro
 /// samples: a host that computes what a unit does, and tests.
 #[derive(Debug)]
-pub struct Stream<'t, const C: usize, const A: usize, const PLAYS: usize = 0, const SLOW: usize = 0>
-{
-    thermal: ThermalChannels<'t, C, A, PLAYS, SLOW>,
+pub struct Stream<'t, const C: usize, const A: usize> {
+    thermal: ThermalChannels<'t, C, A>,
     ramps: [RampBuffer<A>; C],
     update_interval_s: f32,
 }
 
-impl<'t, const C: usize, const A: usize, const PLAYS: usize, const SLOW: usize>
-    Stream<'t, C, A, PLAYS, SLOW>
-{
+impl<'t, const C: usize, const A: usize> Stream<'t, C, A> {
     /// A stream before its first temperatures: constant biases are taken out.
-    pub fn new(tables: &'t [Table<'t, A, PLAYS, SLOW>; C], schedule: &Schedule) -> Self {
+    pub fn new(tables: &'t [Table<'t, A>; C], schedule: &Schedule) -> Self {
         let stream = Self {
             thermal: ThermalChannels::new(tables, schedule.samples_per_update),
             ramps: [const { RampBuffer::new() }; C],

@@ -1,60 +1,15 @@
 //! The single-call step: one temperature and one gyro sample per axis in, the bias taken out.
 
-use crate::{HistoryState, Interval, Status, Table, ThermalPoint, ThermalState};
-
-/// All state that the bias of a unit depends on.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct BiasState<const PLAYS: usize, const SLOW: usize> {
-    pub(crate) thermal: ThermalState,
-    history: HistoryState<PLAYS, SLOW>,
-}
-
-impl<const PLAYS: usize, const SLOW: usize> BiasState<PLAYS, SLOW> {
-    /// The state before any temperature was seen.
-    pub(crate) const fn new<const AXES: usize>(table: &Table<'_, AXES, PLAYS, SLOW>) -> Self {
-        Self {
-            thermal: ThermalState::new(table.thermal()),
-            history: HistoryState::new(table.thermal().settings().reference_c),
-        }
-    }
-
-    /// Starts at the first temperature after power-on; there is no history yet, and it adds
-    /// nothing to the bias.
-    pub(crate) fn start<const AXES: usize>(
-        &mut self,
-        table: &Table<'_, AXES, PLAYS, SLOW>,
-        temp_c: f32,
-    ) -> ThermalPoint {
-        let point = self.thermal.start(table.thermal(), temp_c);
-        self.history = HistoryState::new(point.effective_c);
-        point
-    }
-
-    /// Takes one temperature; the bias of every axis there, and all flags.
-    #[inline(always)]
-    pub(crate) fn update<const AXES: usize>(
-        &mut self,
-        table: &Table<'_, AXES, PLAYS, SLOW>,
-        interval: &Interval,
-        temp_c: f32,
-    ) -> (ThermalPoint, [f32; AXES], Status) {
-        let point = self.thermal.update(table.thermal(), interval, temp_c);
-        let (mut bias, status) = table.bias(&point);
-        let history = table.history();
-        let past = self.history.update(history, interval, point.effective_c);
-        history.add(&past, &mut bias);
-        (point, bias, status)
-    }
-}
+use crate::{Interval, Status, Table, ThermalPoint, ThermalState};
 
 /// Compensates units whose temperature is sampled together with the gyro.
 ///
 /// Where the gyro runs faster than the temperature, use a [`ThermalHalf`](crate::ThermalHalf) and a
 /// [`Corrector`](crate::Corrector).
 #[derive(Clone, Debug)]
-pub struct Compensator<'t, const AXES: usize, const PLAYS: usize = 0, const SLOW: usize = 0> {
-    table: &'t Table<'t, AXES, PLAYS, SLOW>,
-    state: BiasState<PLAYS, SLOW>,
+pub struct Compensator<'t, const AXES: usize> {
+    table: &'t Table<'t, AXES>,
+    state: ThermalState,
 }
 
 /// A compensated sample with everything that led to it.
@@ -71,20 +26,18 @@ pub struct Output<const AXES: usize> {
     pub status: Status,
 }
 
-impl<'t, const AXES: usize, const PLAYS: usize, const SLOW: usize>
-    Compensator<'t, AXES, PLAYS, SLOW>
-{
+impl<'t, const AXES: usize> Compensator<'t, AXES> {
     /// A compensator that has not seen a temperature: it applies the constant bias.
-    pub const fn new(table: &'t Table<'t, AXES, PLAYS, SLOW>) -> Self {
+    pub const fn new(table: &'t Table<'t, AXES>) -> Self {
         Self {
             table,
-            state: BiasState::new(table),
+            state: ThermalState::new(table.thermal()),
         }
     }
 
     /// Starts at the first temperature after power-on \[degC\], without ramping to it.
     pub fn start(&mut self, temp_c: f32) {
-        self.state.start(self.table, temp_c);
+        self.state.start(self.table.thermal(), temp_c);
     }
 
     /// Takes a temperature \[degC\] and a gyro sample per axis, `interval` after the last ones.
@@ -93,7 +46,8 @@ impl<'t, const AXES: usize, const PLAYS: usize, const SLOW: usize>
     /// No branch depends on the data: a NaN costs what a good sample costs.
     #[inline(always)]
     pub fn step(&mut self, interval: &Interval, temp_c: f32, raw: [f32; AXES]) -> Output<AXES> {
-        let (point, bias, status) = self.state.update(self.table, interval, temp_c);
+        let point = self.state.update(self.table.thermal(), interval, temp_c);
+        let (bias, status) = self.table.bias(&point);
         Output {
             compensated: core::array::from_fn(|axis| raw[axis] - bias[axis]),
             bias,
@@ -104,6 +58,6 @@ impl<'t, const AXES: usize, const PLAYS: usize, const SLOW: usize>
 
     /// The state of the thermal path, for its counters.
     pub const fn thermal_state(&self) -> &ThermalState {
-        &self.state.thermal
+        &self.state
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::Thermal;
 use crate::interval::Interval;
-use crate::sign::{Sign, magnitude};
+use crate::sign::{Sign, limit, magnitude};
 
 /// The last accepted temperature and the memory of faults.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,6 +18,14 @@ pub(crate) struct Conditioner {
     /// The temperature gone on with: the last accepted one, or once that is lost, the last
     /// reading, which the next one may confirm \[degC\].
     temp_c: f32,
+    /// What the gate is about: it follows the accepted temperatures no faster than the part can,
+    /// so that many small jumps are not accepted either \[degC\].
+    anchor_c: f32,
+    /// Since a temperature was accepted, the sensor has reported one that the part cannot have
+    /// reached, and none since that it can have reached after a loss.
+    is_jumping: Sign,
+    /// Since the start, a temperature away from the anchor was accepted after such a one.
+    has_jumped: Sign,
 }
 
 /// A temperature to go on with.
@@ -30,9 +38,14 @@ pub(crate) struct Conditioned {
     pub(crate) moved: Sign,
     /// Nothing was accepted for longer than the hold time.
     pub(crate) lost: Sign,
+    /// The temperature is lost, or has returned in this update after as long.
+    pub(crate) unseen: Sign,
+    /// It is the first one of all, or the first one after more time than can be counted.
+    pub(crate) first: Sign,
     pub(crate) settling: Sign,
     pub(crate) impossible: Sign,
     pub(crate) spike: Sign,
+    pub(crate) jumped: Sign,
 }
 
 impl Conditioner {
@@ -44,6 +57,9 @@ impl Conditioner {
             rejected: 0,
             restarts: 0,
             temp_c: reference_c,
+            anchor_c: reference_c,
+            is_jumping: Sign::NO,
+            has_jumped: Sign::NO,
         }
     }
 
@@ -56,12 +72,15 @@ impl Conditioner {
             rejected: 0,
             restarts: 1,
             temp_c,
+            anchor_c: temp_c,
+            is_jumping: Sign::NO,
+            has_jumped: Sign::NO,
         })
     }
 
-    /// A temperature is accepted if the sensor can report it and the part can have reached it
-    /// since the last accepted one; once the temperature was lost, if it agrees with the reading
-    /// before it.
+    /// A temperature is accepted if the sensor can report it and the part can have reached it,
+    /// from the last accepted one and from the anchor; once the temperature was lost, if it agrees
+    /// with the reading before it.
     ///
     /// All of it is computed for every sample.
     #[inline(always)]
@@ -73,23 +92,46 @@ impl Conditioner {
     ) -> Conditioned {
         let healing = thermal.healing.saturating_sub(self.age);
         let was_lost = Sign::above(self.age, thermal.hold_ticks);
+        let is_first = !Sign::above(i32::MAX, self.age);
         let age = self.age.saturating_add(interval.ticks);
 
+        // Can the sensor report it, and can the part have reached it?
         let impossible = Self::beyond_sensor(thermal, temp_c);
         let change_c = temp_c - self.temp_c;
         let change = magnitude(change_c);
-        let far_c = interval.gate_c + thermal.slew_c_per_tick * age as f32;
-        let gate = was_lost.select(interval.near, far_c.to_bits() as i32);
-        let implausible = Sign::above(change, gate);
+        let way_c = temp_c - self.anchor_c;
+        let way = magnitude(way_c);
+        let reach_c = thermal.slew_c_per_tick * age as f32;
+        let gate = (interval.gate_c + reach_c).to_bits() as i32;
+        let beyond = Sign::above(way, gate);
+        let unconfirmed = Sign::above(change, interval.near);
+        let far = beyond | Sign::above(change, gate);
+        let implausible = was_lost.select(unconfirmed, far);
         let rejected = impossible | implausible;
 
-        let fresh = Sign::above(change, interval.near) | Sign::above(age, thermal.restart_ticks);
+        let fresh = unconfirmed | Sign::above(age, thermal.restart_ticks);
         let restart = fresh & !rejected;
+        let unseen = Sign::above(age, thermal.hold_ticks);
 
         self.age = rejected.keep(age);
         let lost = Sign::above(self.age, thermal.hold_ticks);
         let left = impossible | (implausible & !lost);
         self.temp_c = left.select(self.temp_c, temp_c);
+
+        // A reading that stays where the part cannot have gone is accepted in the end, for it may
+        // be right; but not without a flag. Where none was accepted yet, none is a jump.
+        let takes_no_time = Sign(interval.near);
+        let usable = !impossible & !takes_no_time;
+        let jumping = self.is_jumping | (beyond & usable & !is_first);
+        let jumped = jumping & Sign::above(way, interval.near) & !rejected;
+        self.has_jumped = self.has_jumped | jumped;
+        let is_back = was_lost & usable & !beyond;
+        self.is_jumping = jumping & rejected & !is_back;
+        let reach = reach_c.to_bits() as i32;
+        let reach = Sign::above(reach, interval.slew).select(reach, interval.slew);
+        let near_c = self.anchor_c + limit(way_c, reach);
+        let anchor_c = was_lost.select(temp_c, near_c);
+        self.anchor_c = rejected.select(self.anchor_c, anchor_c);
 
         let settled = self.settled.saturating_add(interval.ticks);
         let settled = rejected.select(self.settled.min(healing), settled);
@@ -102,9 +144,12 @@ impl Conditioner {
             change_c,
             moved: left | !fresh,
             lost,
+            unseen,
+            first: is_first & !rejected,
             settling: Sign(self.settled),
             impossible,
-            spike: implausible & !impossible & !Sign(interval.near),
+            spike: implausible & !impossible & !takes_no_time,
+            jumped: self.has_jumped,
         }
     }
 

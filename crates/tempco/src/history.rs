@@ -1,263 +1,199 @@
-//! Terms of the bias that depend on where the temperature has been: hysteresis and a second lag.
+//! Where the temperature has been: the second lag and the plays.
 //!
-//! A table has none of them unless its set selected them, and without them they cost nothing: no
-//! state, no instruction.
-//!
-//! They follow the lag-compensated temperature, faults and all: while it ramps to the reference because
-//! the temperature was lost, so do the contact and, in its time, the lagging part. Each term is
-//! bounded by its gain and its half width or limit, and moves no faster than the
-//! lag-compensated temperature, so that neither a fault nor a return makes a step. After an
-//! interval of more than half its time constant a lag begins again at zero.
+//! Both follow temperatures that move no faster than the part can, so neither a fault nor a return
+//! makes a step. While the temperature is lost both stand still. Where there was none at all
+//! before, both begin at the first one, and then have no weight yet.
 
 use core::hint::select_unpredictable;
 
-use crate::error::{MAX_COEFFICIENT, is_within};
+use crate::conditioner::Conditioned;
 use crate::estimator::Filter;
-use crate::interval::slower_alpha;
-use crate::sign::{limit, magnitude};
-use crate::{Interval, TableError};
+use crate::sign::{Sign, limit, magnitude};
+use crate::{Interval, Thermal};
 
-/// A hysteresis term: the lag-compensated temperature drags a contact along, as through a slot.
+/// Any way is short enough \[bits\].
+const ANY: i32 = f32::MAX.to_bits() as i32;
+
+/// The number of plays of a table.
+pub const PLAYS: usize = 2;
+
+/// A play (backlash): a temperature drags a contact along, as through a slot.
 ///
 /// ```text
-/// c  = min(max(c, u - w), u + w)          the contact follows at a distance of w at most [degC]
-/// B += gain (u - c)
+/// c = min(max(c, v - w), v + w)          the contact follows at a distance of w at most [degC]
 /// ```
 ///
-/// The bias then runs through a loop that is `2 w gain` high, whether the temperature cycles fast or
-/// slowly (play operator; Prandtl, Krasnosel'skii).
-/// After power-on the contact is taken to be where the temperature is: the term fades in over the
-/// first `2 w` of movement.
+/// A bias with a term `gain (v - c)` runs through a loop that is `2 w gain` high, whether the
+/// temperature cycles fast or slowly (play operator; Prandtl, Krasnosel'skii).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Play<const AXES: usize> {
-    /// Half of the slot's width, `w`, 0 to 1000 \[degC\].
-    pub half_width_c: f32,
-    /// \[unit of each axis per degC\]
-    pub gain: [f32; AXES],
+pub struct Play {
+    contact_c: f32,
 }
 
-/// A second thermal lag: a part of the unit that is slower than the rate estimator.
-///
-/// ```text
-/// S += alpha (u - S)                      the part's temperature [degC]
-/// B += gain min(max(u - S, -limit), limit)
-/// ```
-///
-/// with `alpha = 1 - exp(-dt / tau)`. After power-on the part is taken to be where the
-/// temperature is, and so it is after an interval of more than half its time constant: the term
-/// fades in with that time constant.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct SlowPart<const AXES: usize> {
-    /// Its time constant \[s\], from the rate estimator's to 60000.
-    pub tau_s: f32,
-    /// The largest lag that was calibrated, 0 to 1000 \[degC\].
-    pub limit_c: f32,
-    /// \[unit of each axis per degC\]
-    pub gain: [f32; AXES],
-}
-
-/// Checked history terms of a table.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct History<const AXES: usize, const PLAYS: usize = 0, const SLOW: usize = 0> {
-    plays: [Play<AXES>; PLAYS],
-    slow_parts: [SlowPart<AXES>; SLOW],
-    per_tau_hz: [f32; SLOW],
-}
-
-/// What the history terms multiply their gains by.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct HistoryPoint<const PLAYS: usize, const SLOW: usize> {
-    /// `u - c` of each play \[degC\].
-    pub plays_c: [f32; PLAYS],
-    /// Each second thermal lag, within its limit \[degC\].
-    pub lags_c: [f32; SLOW],
-}
-
-/// The state of the history terms.
-///
-/// Used on its own by the fit, which thereby sees the very regressors that fly.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct HistoryState<const PLAYS: usize, const SLOW: usize> {
-    contacts_c: [f32; PLAYS],
-    slow_parts: [Filter; SLOW],
-}
-
-impl<const AXES: usize, const PLAYS: usize, const SLOW: usize> History<AXES, PLAYS, SLOW> {
-    /// Checks the terms; `tau_s` is the time constant of the rate estimator they go with \[s\].
-    ///
-    /// # Errors
-    /// Names the first figure that is not finite or out of its range.
-    pub const fn new(
-        tau_s: f32,
-        plays: [Play<AXES>; PLAYS],
-        slow_parts: [SlowPart<AXES>; SLOW],
-    ) -> Result<Self, TableError> {
-        let mut i = 0;
-        while i < PLAYS {
-            if !is_within(plays[i].half_width_c, 0.0, 1e3) {
-                return Err(TableError::Setting("half_width_c"));
-            }
-            if !are_usable(&plays[i].gain) {
-                return Err(TableError::Setting("gain of a play"));
-            }
-            i += 1;
-        }
-        let mut per_tau_hz = [0.0; SLOW];
-        let mut i = 0;
-        while i < SLOW {
-            if !is_within(slow_parts[i].tau_s, tau_s, 6e4) {
-                return Err(TableError::Setting("tau_s of a second thermal lag"));
-            }
-            if !is_within(slow_parts[i].limit_c, 0.0, 1e3) {
-                return Err(TableError::Setting("limit_c"));
-            }
-            if !are_usable(&slow_parts[i].gain) {
-                return Err(TableError::Setting("gain of a second thermal lag"));
-            }
-            per_tau_hz[i] = 1.0 / slow_parts[i].tau_s;
-            i += 1;
-        }
-        Ok(Self {
-            plays,
-            slow_parts,
-            per_tau_hz,
-        })
+impl Play {
+    /// A play whose contact is where the temperature is \[degC\].
+    pub const fn new(drag_c: f32) -> Self {
+        Self { contact_c: drag_c }
     }
 
-    /// The hysteresis terms.
-    pub const fn plays(&self) -> &[Play<AXES>; PLAYS] {
-        &self.plays
-    }
-
-    /// The second lags.
-    pub const fn slow_parts(&self) -> &[SlowPart<AXES>; SLOW] {
-        &self.slow_parts
-    }
-
-    /// Adds the terms at `point` to the bias of every axis.
+    /// Takes the temperature `v` that drags it; returns `v - c` \[degC\].
     #[inline(always)]
-    pub fn add(&self, point: &HistoryPoint<PLAYS, SLOW>, bias: &mut [f32; AXES]) {
-        for (play, &play_c) in self.plays.iter().zip(&point.plays_c) {
-            for (bias, gain) in bias.iter_mut().zip(&play.gain) {
-                *bias += gain * play_c;
-            }
-        }
-        for (part, &lag_c) in self.slow_parts.iter().zip(&point.lags_c) {
-            for (bias, gain) in bias.iter_mut().zip(&part.gain) {
-                *bias += gain * lag_c;
-            }
-        }
+    pub fn follow(&mut self, half_width_c: f32, drag_c: f32) -> f32 {
+        let contact_c = self.contact_c;
+        let (least_c, most_c) = (drag_c - half_width_c, drag_c + half_width_c);
+        let contact_c = select_unpredictable(contact_c < least_c, least_c, contact_c);
+        self.contact_c = select_unpredictable(contact_c > most_c, most_c, contact_c);
+        drag_c - self.contact_c
     }
 }
 
-impl<const AXES: usize> History<AXES> {
-    /// No terms.
-    pub(crate) const NONE: Self = Self {
-        plays: [],
-        slow_parts: [],
-        per_tau_hz: [],
-    };
+/// A second thermal lag, of a part that is slower than the rate estimator.
+///
+/// ```text
+/// L2 += alpha2 (T - L2)
+/// d2  = T - L2                           [degC]
+/// ```
+///
+/// After an interval of more than half its time constant it begins again at zero.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct SecondLag {
+    filtered: Filter,
 }
 
-impl<const PLAYS: usize, const SLOW: usize> HistoryState<PLAYS, SLOW> {
-    /// The state of a part that has been at this lag-compensated temperature for long \[degC\].
-    pub const fn new(effective_c: f32) -> Self {
+impl SecondLag {
+    /// A part that has been at this temperature for long \[degC\].
+    pub const fn new(temp_c: f32) -> Self {
         Self {
-            contacts_c: [effective_c; PLAYS],
-            slow_parts: [Filter::new(effective_c); SLOW],
+            filtered: Filter::new(temp_c),
         }
     }
 
-    /// Takes the lag-compensated temperature of an update \[degC\], `interval` after the one before.
-    ///
-    /// # Timing
-    /// No branch depends on the data.
+    /// Takes a temperature, `interval` after the one before; returns `d2`, without limits
+    /// \[degC\].
     #[inline(always)]
-    pub fn update<const AXES: usize>(
+    pub fn update(&mut self, interval: &Interval, temp_c: f32) -> f32 {
+        self.follow(interval.alpha2, temp_c)
+    }
+
+    #[inline(always)]
+    fn follow(&mut self, alpha2: f32, temp_c: f32) -> f32 {
+        // Nothing is left of it where alpha is 1.
+        self.filtered.lag(alpha2, temp_c) * (1.0 - alpha2)
+    }
+}
+
+/// The second lag as the conditioned temperature drives it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub(crate) struct SecondLagState {
+    lag: SecondLag,
+    /// The conditioned temperature, but no faster than the part can \[degC\].
+    temp_c: f32,
+}
+
+impl SecondLagState {
+    pub(crate) const fn new(temp_c: f32) -> Self {
+        Self {
+            lag: SecondLag::new(temp_c),
+            temp_c,
+        }
+    }
+
+    /// The second lag, without limits \[degC\].
+    #[inline(always)]
+    pub(crate) fn update(&mut self, interval: &Interval, conditioned: &Conditioned) -> f32 {
+        let way_c = conditioned.temp_c - self.temp_c;
+        let slew = conditioned.first.select(ANY, interval.slew);
+        let temp_c = self.temp_c + limit(way_c, slew);
+        self.temp_c = conditioned.lost.select(self.temp_c, temp_c);
+        let alpha2 = conditioned.lost.select(0.0, interval.alpha2);
+        let alpha2 = conditioned.first.select(1.0, alpha2);
+        self.lag.follow(alpha2, self.temp_c)
+    }
+}
+
+/// The plays of a unit, and how far their past is known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub(crate) struct PlayState {
+    /// The temperature that drags the plays, `v` \[degC\].
+    drag_c: f32,
+    plays: [Play; PLAYS],
+    /// Time until the plays are put where the rate says they are, below zero \[ticks\].
+    starting: i32,
+    /// Time since the temperature was last lost \[ticks\], and the lowest and highest `v` since
+    /// then and since it and the rate had settled again.
+    since_loss: i32,
+    low_c: f32,
+    high_c: f32,
+}
+
+impl PlayState {
+    /// Plays that add nothing. What was before power-on is not known and not asked for.
+    pub(crate) const fn new(thermal: &Thermal, temp_c: f32) -> Self {
+        Self {
+            drag_c: temp_c,
+            plays: [Play::new(temp_c); PLAYS],
+            starting: thermal.play_start,
+            since_loss: i32::MAX,
+            low_c: f32::MIN,
+            high_c: f32::MAX,
+        }
+    }
+
+    /// The plays are still to be put where the rate says they are.
+    #[inline(always)]
+    pub(crate) fn is_starting(&self) -> Sign {
+        Sign(self.starting)
+    }
+
+    /// Takes where `v` is to go \[degC\] and the rate \[degC/min\]; returns what each play is
+    /// behind \[degC\], and whether some of that follows from a past that is not known.
+    #[inline(always)]
+    pub(crate) fn update(
         &mut self,
-        history: &History<AXES, PLAYS, SLOW>,
+        thermal: &Thermal,
         interval: &Interval,
-        effective_c: f32,
-    ) -> HistoryPoint<PLAYS, SLOW> {
-        let mut point = HistoryPoint {
-            plays_c: [0.0; PLAYS],
-            lags_c: [0.0; SLOW],
-        };
-        let plays = history.plays.iter().zip(&mut self.contacts_c);
-        for ((play, contact_c), play_c) in plays.zip(&mut point.plays_c) {
-            let width_c = play.half_width_c;
-            *contact_c = within(*contact_c, effective_c - width_c, effective_c + width_c);
-            *play_c = effective_c - *contact_c;
-        }
-        let parts = history.slow_parts.iter().zip(&history.per_tau_hz);
-        let lags = self.slow_parts.iter_mut().zip(&mut point.lags_c);
-        for ((part, &per_tau_hz), (slow, lag_c)) in parts.zip(lags) {
-            let alpha = slower_alpha(interval, per_tau_hz);
-            let before_c = slow.lag(alpha, effective_c);
-            // Nothing is left of it where alpha is 1.
-            *lag_c = limit(before_c * (1.0 - alpha), magnitude(part.limit_c));
-        }
-        point
-    }
-}
+        conditioned: &Conditioned,
+        target_c: f32,
+        rate_c_per_min: f32,
+    ) -> ([f32; PLAYS], Sign) {
+        let slew = conditioned.first.select(ANY, interval.slew);
+        let way_c = target_c - self.drag_c;
+        let catching_up = Sign::above(magnitude(way_c), slew);
+        let moved_c = self.drag_c + limit(way_c, slew);
+        self.drag_c = conditioned.lost.select(self.drag_c, moved_c);
+        let drag_c = self.drag_c;
 
-#[inline(always)]
-fn within(value: f32, least: f32, most: f32) -> f32 {
-    let value = select_unpredictable(value < least, least, value);
-    select_unpredictable(value > most, most, value)
-}
-
-const fn are_usable<const N: usize>(values: &[f32; N]) -> bool {
-    let mut i = 0;
-    while i < N {
-        if !is_within(values[i], -MAX_COEFFICIENT, MAX_COEFFICIENT) {
-            return false;
+        // A unit that is switched on in a ramp has been in it: its plays are at their ends.
+        let starting = self.starting.saturating_add(interval.ticks);
+        let starts = Sign(self.starting) & !Sign(starting) & !conditioned.lost;
+        self.starting = starting;
+        let start_c = thermal.settings.play_start_min * rate_c_per_min;
+        let plays = self.plays.iter_mut().zip(thermal.half_widths);
+        let mut plays_c = [0.0; PLAYS];
+        for (play_c, (play, half_width)) in plays_c.iter_mut().zip(plays) {
+            let contact_c = drag_c - limit(start_c, half_width);
+            let start_here = starts | conditioned.first;
+            play.contact_c = start_here.select(contact_c, play.contact_c);
+            *play_c = play.follow(f32::from_bits(half_width as u32), drag_c);
         }
-        i += 1;
-    }
-    true
-}
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::{Thermal, ThermalSettings};
-
-    /// One step of each kind by hand.
-    #[test]
-    fn the_contact_and_the_slow_part_follow() {
-        let thermal = Thermal::new(ThermalSettings::DEFAULT).unwrap();
-        let interval = Interval::new(&thermal, 25.0);
-        let play = Play {
-            half_width_c: 2.0,
-            gain: [0.5],
-        };
-        let part = SlowPart {
-            tau_s: 100.0,
-            limit_c: 3.0,
-            gain: [-1.0],
-        };
-        let history = History::new(60.0, [play], [part]).unwrap();
-        let mut state = HistoryState::new(10.0);
-        // The series at a quarter of the time constant.
-        let alpha = 0.25 * (1.0 - 0.125 * (1.0 - 0.25 / 3.0));
-        let mut slow = 10.0;
-        for (effective_c, contact_c) in [(11.5, 10.0), (14.0, 12.0), (11.0, 12.0), (9.0, 11.0)] {
-            let point = state.update(&history, &interval, effective_c);
-            assert_eq!(state.contacts_c, [contact_c]);
-            assert_eq!(point.plays_c, [effective_c - contact_c]);
-            slow += alpha * (effective_c - slow);
-            assert!((point.lags_c[0] - (effective_c - slow)).abs() < 1e-6);
-            let mut bias = [100.0];
-            history.add(&point, &mut bias);
-            let added = 0.5 * point.plays_c[0] - point.lags_c[0];
-            assert!((bias[0] - 100.0 - added).abs() < 1e-5);
-        }
-        assert_eq!(state.update(&history, &interval, 80.0).lags_c, [3.0]);
+        // After a loss a play is where it seems to be once the temperature has moved through it:
+        // `v` itself, not its way to where it is by now, nor that of a rate which settles.
+        let waits = Sign(self.since_loss.wrapping_add(thermal.settling)) & catching_up;
+        let ticks = (!waits).keep(interval.ticks);
+        let since_loss = self.since_loss.saturating_add(ticks);
+        self.since_loss = (!conditioned.unseen).keep(since_loss);
+        let is_early = Sign(self.since_loss.wrapping_add(thermal.settling));
+        let low_c = select_unpredictable(drag_c < self.low_c, drag_c, self.low_c);
+        let high_c = select_unpredictable(drag_c > self.high_c, drag_c, self.high_c);
+        self.low_c = is_early.select(drag_c, low_c);
+        self.high_c = is_early.select(drag_c, high_c);
+        let moved = Sign::of(self.high_c - self.low_c < thermal.known_c);
+        let unknown = moved | Sign::above(thermal.known_ticks, self.since_loss);
+        (plays_c, unknown)
     }
 }

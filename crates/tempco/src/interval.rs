@@ -1,13 +1,25 @@
 //! The time between two thermal updates, turned into the factors the estimator needs.
 
-use core::hint::select_unpredictable;
-
 use crate::settings::TICKS_PER_S;
-use crate::sign::magnitude;
+use crate::sign::{Sign, magnitude};
 use crate::{Status, Thermal};
 
 /// A temperature near 150 degC has a last place of 1.5e-5 degC; a smaller step would vanish.
 const LEAST_SLEW_C: f32 = 2e-5;
+
+/// When the temperature is lost, what the rate and the history add fades out over this time, and
+/// as slowly in again \[s\].
+const FADE_S: f32 = 60.0;
+
+/// `1 - exp(-x)` by `x (1 - x/2 (1 - x/3))`, whose relative error is below 6.1e-3 at `x = 1/2` and
+/// below 5e-5 for `x <= 1/10`; 1 for larger `x`.
+const fn second_alpha(x: f32) -> f32 {
+    const ONE: i32 = 1.0_f32.to_bits() as i32;
+    let alpha = (x * (1.0 - x * (1.0 / 2.0) * (1.0 - x * (1.0 / 3.0)))).to_bits() as i32;
+    // By bits, since a selection became a branch.
+    let is_large = Sign::above(magnitude(x), magnitude(0.5));
+    f32::from_bits((alpha ^ is_large.keep(alpha ^ ONE)) as u32)
+}
 
 /// The time since the last thermal update, with the filter factors that follow from it.
 ///
@@ -25,9 +37,11 @@ pub struct Interval {
     pub(crate) ticks: i32,
     /// A change up to this is noise and movement of one interval \[bits of degC\].
     pub(crate) near: i32,
-    /// The time, 0 to infinity \[s\].
-    pub(crate) dt_s: f32,
     pub(crate) alpha: f32,
+    /// `alpha` of the second lag.
+    pub(crate) alpha2: f32,
+    /// How far the weight of rate and history may move in this time \[bits\].
+    pub(crate) fade: i32,
     /// Rate of temperature per degree of lag \[1/min\].
     pub(crate) rate_gain_per_min: f32,
     /// How far the lag-compensated temperature may move in this time \[bits of degC\].
@@ -64,8 +78,9 @@ impl Interval {
         Self {
             // The conversion saturates.
             ticks: (real_s * TICKS_PER_S + 0.5) as i32,
-            dt_s: real_s,
             alpha: if gap { 1.0 } else { x * alpha_per_x },
+            alpha2: second_alpha(real_s * thermal.per_tau2_hz),
+            fade: magnitude(real_s * (1.0 / FADE_S)),
             rate_gain_per_min: if gap {
                 0.0
             } else {
@@ -77,18 +92,6 @@ impl Interval {
             status: Status::INTERVAL_INVALID.when(gap | !forward),
         }
     }
-}
-
-/// `1 - exp(-dt / tau)` for another time constant, no shorter than the one of the settings; 1 if
-/// the interval is longer than half of it.
-///
-/// By `x (1 - x/2 (1 - x/3))` with `x = dt / tau`, whose relative error is below 6.1e-3 at the
-/// limit `x = 1/2` and below 5e-5 for `x <= 1/10`.
-#[inline(always)]
-pub(crate) fn slower_alpha(interval: &Interval, per_tau_hz: f32) -> f32 {
-    let x = interval.dt_s * per_tau_hz;
-    let alpha = x * (1.0 - x * (1.0 / 2.0) * (1.0 - x * (1.0 / 3.0)));
-    select_unpredictable(x > 0.5, 1.0, alpha)
 }
 
 #[cfg(test)]
@@ -118,22 +121,28 @@ mod tests {
     }
 
     #[test]
-    fn a_slower_share_agrees_with_the_exponential_to_the_documented_error() {
-        for tau_s in [60.0_f32, 1800.0, 60_000.0] {
+    fn the_share_of_the_second_lag_agrees_with_the_exponential_to_the_documented_error() {
+        for tau2_s in [0.1_f32, 60.0, 1800.0, 60_000.0] {
+            let settings = ThermalSettings {
+                tau2_s,
+                ..ThermalSettings::DEFAULT
+            };
+            let thermal = Thermal::new(settings).unwrap();
             for step in (1..5000).step_by(if cfg!(miri) { 49 } else { 1 }) {
-                let dt_s = step as f32 * 1e-4 * tau_s;
-                let alpha = slower_alpha(&Interval::new(&THERMAL, dt_s), 1.0 / tau_s);
-                let x = f64::from(dt_s) / f64::from(tau_s);
-                let error = f64::from(alpha) / -(-x).exp_m1() - 1.0;
+                let dt_s = step as f32 * 1e-4 * tau2_s;
+                let x = f64::from(dt_s) / f64::from(tau2_s);
+                let alpha2 = f64::from(Interval::new(&thermal, dt_s).alpha2);
+                let error = alpha2 / -(-x).exp_m1() - 1.0;
                 let allowed = if x <= 0.1 { 5e-5 } else { 6.1e-3 };
                 assert!(error.abs() < allowed, "{error} at x {x}");
             }
-            for gap_s in [0.500_1 * tau_s, 1e9, f32::INFINITY] {
-                let interval = Interval::new(&THERMAL, gap_s);
-                assert_eq!(slower_alpha(&interval, 1.0 / tau_s), 1.0);
+            for gap_s in [0.500_1 * tau2_s, 1e9, f32::INFINITY] {
+                assert_eq!(Interval::new(&thermal, gap_s).alpha2, 1.0);
+            }
+            for none_s in [f32::NAN, 0.0, -1.0] {
+                assert_eq!(Interval::new(&thermal, none_s).alpha2, 0.0);
             }
         }
-        assert_eq!(slower_alpha(&Interval::new(&THERMAL, f32::NAN), 0.01), 0.0);
     }
 
     #[test]

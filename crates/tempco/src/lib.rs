@@ -9,31 +9,33 @@
 //! Data flows one way through one small module each:
 //!
 //! ```text
-//! temperature -> conditioner -> estimator -> thermal -> table -> bias --+-> compensator
-//!                (accepted?)    (T', lag)    (u, T')              ^     |   raw - bias
-//!                                               |                 |     |
-//!                                               +---> history ----+     +-> thermal half
-//!                                             (where u has been)            ramp of the bias
-//!                                                                             |
-//!     gyro samples, in the interrupt ----------------------------------> corrector
-//!                                                                        raw - bias
+//! temperature -> conditioner -> estimator, history -> thermal -> table -> bias --+-> compensator
+//!                (accepted?)    (T', d2, plays)       (u, ...)                    |   raw - bias
+//!                                                                                 |
+//!                                                                                 +-> thermal half
+//!                                                                                     ramp of the bias
+//!                                                                                       |
+//!     gyro samples, in the interrupt --------------------------------------------> corrector
+//!                                                                                  raw - bias
 //! ```
 //!
-//! With `T` the conditioned temperature \[degC\] and `L` its first-order filtered value (before
-//! this sample is taken in), the bias of one axis is
+//! With `T` the conditioned temperature \[degC\], `L` its first-order filtered value (before this
+//! sample is taken in) and `L2` a slower one, the bias of one axis is
 //!
 //! ```text
 //! T' = (T - L) / tau                          rate of temperature       [degC/min]
 //!      / max(1 - exp(-t / tau), 60 s / tau)   t after power-on; 1 for tau up to 60 s
-//! u  = T - kappa tau T'                       lag-compensated temp.     [degC]
+//! d2 = T - L2                                 second lag                [degC]
+//! u  = T - kappa tau T' - kappa2 d2           lag-compensated temp.     [degC]
+//! v  = T - play_kappa tau T' - play_kappa2 d2 what drags the plays      [degC]
 //! z  = (u - t_min) / cell_width - k           place within cell k       [0, 1)
 //! B  = a0 + a1 z + a2 z^2 + T' (r0 + r1 z)    bias                      [unit of the axis]
+//!    + d2 (s0 + s1 z) + g1 (v - c1) + g2 (v - c2)
 //! ```
 //!
-//! which is the composite model of Weng et al., *Sensors* 2020, 20(2), 377 for `kappa = 0`. Where a
-//! table has terms of the thermal history ([`Table::with_history`]), each hysteresis term adds
-//! `gain (u - c)` with a contact `c` that `u` drags along ([`Play`]), and each second thermal lag adds
-//! `gain (u - S)` with a slower part of the unit at `S` ([`SlowPart`]).
+//! with contacts `c1`, `c2` that `v` drags along ([`Play`], [`Table::with_plays`]). Every table has
+//! this one shape; what a model does not use has coefficients and gains of zero. The composite model
+//! of Weng et al., *Sensors* 2020, 20(2), 377 has `kappa = 0`, no second lag and no plays.
 //! Configuration ([`Table`]) is immutable and can live in flash; all state is in the
 //! [`Compensator`], which takes a temperature and a gyro sample at once.
 //!
@@ -94,6 +96,7 @@ mod settings;
 mod sign;
 mod status;
 mod table;
+mod terms;
 mod thermal;
 mod thermal_half;
 
@@ -104,12 +107,13 @@ pub use channels::{Schedule, Stream, ThermalChannels};
 pub use compensator::{Compensator, Output};
 pub use corrector::Corrector;
 pub use error::TableError;
-pub use history::{History, HistoryPoint, HistoryState, Play, SlowPart};
+pub use history::{PLAYS, Play, SecondLag};
 pub use interval::Interval;
 pub use pulses::{PulseCorrector, PulseRamp};
 pub use ramp::{BiasRamp, Number, Ramp, RampBuffer};
 pub use settings::{Thermal, ThermalSettings};
 pub use status::{Status, Validity};
-pub use table::{MAX_AXES, MAX_CELLS, Place, Table, Terms};
+pub use table::{MAX_AXES, MAX_CELLS, Place, Table};
+pub use terms::Terms;
 pub use thermal::{ThermalPoint, ThermalState};
 pub use thermal_half::ThermalHalf;

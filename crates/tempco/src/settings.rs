@@ -1,8 +1,9 @@
 //! Settings of the thermal path, and what follows from them.
 
-use crate::TableError;
 use crate::error::is_within;
+use crate::history::PLAYS;
 use crate::sign::magnitude;
+use crate::{Status, TableError};
 
 /// Physical settings of the thermal path, as the fit used them and the firmware must.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,11 +43,34 @@ pub struct ThermalSettings {
     /// The temperature whose bias is the constant bias, applied alone when the temperature is
     /// lost \[degC\]; outside the table's range, the nearest end of it counts.
     pub reference_c: f32,
+    /// Time constant of the second lag \[s\], 0.1 to 60000.
+    pub tau2_s: f32,
+    /// Share of the second lag in the lag-compensated temperature, -2 to 2.
+    pub kappa2: f32,
+    /// Lowest calibrated second lag \[degC\], at most 0.
+    pub lag2_min_c: f32,
+    /// Highest calibrated second lag \[degC\], at least 0. Where both limits are 0 there is no
+    /// second lag.
+    pub lag2_max_c: f32,
+    /// Half width of the first play (backlash) \[degC\], 0 to 1000; 0 is no play.
+    pub half_width1_c: f32,
+    /// The same of the second play.
+    pub half_width2_c: f32,
+    /// As `kappa`, of the temperature that drags the plays, -2 to 2.
+    pub play_kappa: f32,
+    /// As `kappa2`, of the temperature that drags the plays, -2 to 2.
+    pub play_kappa2: f32,
+    /// Where a play is put 120 s after power-on, per rate of temperature, -1000 to 1000
+    /// \[degC per degC/min\], within its half width; 0 leaves it where it is.
+    pub play_start_min: f32,
+    /// The least number that the rate is divided by after power-on, 0 to 1, where `60 s / tau_s`
+    /// is less; 0 is no limit.
+    pub least_divisor: f32,
 }
 
 impl ThermalSettings {
     /// What the fit starts from: a sensor range of -60 to 150 degC, accepted jumps of 2 degC
-    /// beyond 30 degC/min, 60 s of hold, a 60 s estimator without shift.
+    /// beyond 30 degC/min, 60 s of hold, a 60 s estimator without shift; no second lag, no plays.
     pub const DEFAULT: Self = Self {
         sensor_min_c: -60.0,
         sensor_max_c: 150.0,
@@ -59,6 +83,16 @@ impl ThermalSettings {
         rate_min_c_per_min: -30.0,
         rate_max_c_per_min: 30.0,
         reference_c: 25.0,
+        tau2_s: 600.0,
+        kappa2: 0.0,
+        lag2_min_c: 0.0,
+        lag2_max_c: 0.0,
+        half_width1_c: 0.0,
+        half_width2_c: 0.0,
+        play_kappa: 0.0,
+        play_kappa2: 0.0,
+        play_start_min: 0.0,
+        least_divisor: 0.0,
     };
 }
 
@@ -95,6 +129,16 @@ in_order! {
     rate_min_c_per_min,
     rate_max_c_per_min,
     reference_c,
+    tau2_s,
+    kappa2,
+    lag2_min_c,
+    lag2_max_c,
+    half_width1_c,
+    half_width2_c,
+    play_kappa,
+    play_kappa2,
+    play_start_min,
+    least_divisor,
 }
 
 /// Resolution of the core's timers: 10 us, and 5.9 h at most. Integers, because a sum of many
@@ -106,6 +150,9 @@ const LONGEST_TIMER_S: f32 = 2e4;
 
 /// A rate since the start is not trusted with less than this \[s\].
 const LEAST_MEMORY_S: f32 = 60.0;
+
+/// When the plays are put where the rate says they are, after power-on \[s\].
+const PLAY_START_S: f32 = 120.0;
 
 const fn ticks(time_s: f32) -> i32 {
     (time_s * TICKS_PER_S + 0.5) as i32
@@ -131,8 +178,23 @@ pub struct Thermal {
     pub(crate) per_tau_hz: f32,
     /// Shift of the lag-compensated temperature per rate, `kappa tau` \[min\].
     pub(crate) shift_min: f32,
-    /// The least share of the estimator's memory that it divides by, `60 s / tau`, at most 1.
+    /// The least share of the estimator's memory that it divides by: `60 s / tau` or the limit of
+    /// the settings, at most 1.
     pub(crate) least_memory: f32,
+    pub(crate) per_tau2_hz: f32,
+    /// As `shift_min`, of the temperature that drags the plays.
+    pub(crate) play_shift_min: f32,
+    /// Half widths of the plays \[bits of degC\].
+    pub(crate) half_widths: [i32; PLAYS],
+    /// Where the time to the start of the plays begins, below zero; 0 where it is not waited for
+    /// \[ticks\].
+    pub(crate) play_start: i32,
+    /// After a loss of the temperature the history counts as known when this much time has
+    /// passed \[ticks\] and the temperature has moved this far \[degC\].
+    pub(crate) known_ticks: i32,
+    pub(crate) known_c: f32,
+    /// The flag of a second lag that was clamped, where there is one.
+    pub(crate) lag2_flag: Status,
 }
 
 impl Thermal {
@@ -160,6 +222,23 @@ impl Thermal {
         check!(rate_min_c_per_min, -1e4, 0.0);
         check!(rate_max_c_per_min, 0.0, 1e4);
         check!(reference_c, s.sensor_min_c, s.sensor_max_c);
+        check!(tau2_s, 0.1, 6e4);
+        check!(kappa2, -2.0, 2.0);
+        check!(lag2_min_c, -1e3, 0.0);
+        check!(lag2_max_c, 0.0, 1e3);
+        check!(half_width1_c, 0.0, 1e3);
+        check!(half_width2_c, 0.0, 1e3);
+        check!(play_kappa, -2.0, 2.0);
+        check!(play_kappa2, -2.0, 2.0);
+        check!(play_start_min, -1e3, 1e3);
+        check!(least_divisor, 0.0, 1.0);
+        let has_lag2 = s.lag2_min_c < 0.0 || s.lag2_max_c > 0.0;
+        let least_memory = LEAST_MEMORY_S / s.tau_s;
+        let least_memory = if least_memory > s.least_divisor {
+            least_memory
+        } else {
+            s.least_divisor
+        };
         let sensor_middle_c = 0.5 * (s.sensor_min_c + s.sensor_max_c);
         let below = magnitude(s.sensor_min_c - sensor_middle_c);
         let above = magnitude(s.sensor_max_c - sensor_middle_c);
@@ -173,11 +252,30 @@ impl Thermal {
             slew_c_per_tick: s.max_slew_c_per_min / (60.0 * TICKS_PER_S),
             per_tau_hz: 1.0 / s.tau_s,
             shift_min: s.kappa * s.tau_s / 60.0,
-            least_memory: if s.tau_s > LEAST_MEMORY_S {
-                LEAST_MEMORY_S / s.tau_s
+            least_memory: if least_memory < 1.0 {
+                least_memory
             } else {
                 1.0
             },
+            per_tau2_hz: 1.0 / s.tau2_s,
+            play_shift_min: s.play_kappa * s.tau_s / 60.0,
+            half_widths: [magnitude(s.half_width1_c), magnitude(s.half_width2_c)],
+            play_start: if s.play_start_min == 0.0 {
+                0
+            } else {
+                ticks(PLAY_START_S).wrapping_neg()
+            },
+            known_ticks: match has_lag2 {
+                true if 3.0 * s.tau2_s < LONGEST_TIMER_S => ticks(3.0 * s.tau2_s),
+                true => ticks(LONGEST_TIMER_S),
+                false => 0,
+            },
+            known_c: if s.half_width1_c > s.half_width2_c {
+                2.0 * s.half_width1_c
+            } else {
+                2.0 * s.half_width2_c
+            },
+            lag2_flag: Status::LAG_CLAMPED.when(has_lag2),
             settings,
         })
     }
@@ -220,6 +318,16 @@ mod tests {
             rate_min_c_per_min: 0.1;
             rate_max_c_per_min: -0.1;
             reference_c: -61.0, 151.0;
+            tau2_s: 0.0, 6.1e4;
+            kappa2: -2.1, 2.1;
+            lag2_min_c: 0.1, -1001.0;
+            lag2_max_c: -0.1, 1001.0;
+            half_width1_c: -0.1, 1001.0;
+            half_width2_c: -0.1, 1001.0;
+            play_kappa: -2.1, 2.1;
+            play_kappa2: -2.1, 2.1;
+            play_start_min: -1001.0, 1001.0;
+            least_divisor: -0.1, 1.1;
         }
     }
 }

@@ -9,8 +9,15 @@ use core::hint::select_unpredictable;
 use core::ops::{BitAnd, BitOr, Not};
 
 /// Whether something holds: if so, the number is negative; its other bits mean nothing.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct Sign(pub(crate) i32);
+
+impl PartialEq for Sign {
+    fn eq(&self, other: &Self) -> bool {
+        (self.0 < 0) == (other.0 < 0)
+    }
+}
 
 /// The bits of `|value|`.
 #[inline(always)]
@@ -29,7 +36,17 @@ pub(crate) const fn limit(value: f32, most: i32) -> f32 {
 const SIGN_BIT: u32 = 1 << 31;
 
 impl Sign {
-    /// `a > b`. The difference must fit: both are magnitudes or times, or `a` is negative infinity.
+    /// It does not hold.
+    pub(crate) const NO: Self = Self(0);
+
+    /// Of a comparison of two f32.
+    #[inline(always)]
+    pub(crate) const fn of(holds: bool) -> Self {
+        Self((holds as i32).wrapping_neg())
+    }
+
+    /// `a > b`. The difference must fit: both are magnitudes or times, or `b` is negative infinity
+    /// and `a` no NaN.
     #[inline(always)]
     pub(crate) const fn above(a: i32, b: i32) -> Self {
         Self(b.wrapping_sub(a))

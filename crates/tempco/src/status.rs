@@ -48,7 +48,9 @@ impl Status {
     /// its value at the reference temperature.
     pub const TEMPERATURE_LOST: Self = Self(1 << 2);
     /// A start, restart or rejected temperature lies so little back that the rate estimate may
-    /// still be settling, or the lag-compensated temperature is still ramping to a new value.
+    /// still be settling, or the lag-compensated temperature is still ramping to a new value; after
+    /// a loss, until rate and history count in full again; after power-on, until plays that are put
+    /// where the rate says they are have been put there.
     pub const SETTLING: Self = Self(1 << 3);
     /// The interval since the last thermal update was not positive (the temperature is then not
     /// used), or longer than half the estimator's time constant (the estimator then restarts), or
@@ -60,9 +62,18 @@ impl Status {
     pub const RATE_CLAMPED: Self = Self(1 << 6);
     /// A gyro sample is NaN or infinite; it is passed through, no state is touched by it.
     pub const RAW_INVALID: Self = Self(1 << 7);
+    /// The second lag lies outside the calibrated range and was clamped to it.
+    pub const LAG_CLAMPED: Self = Self(1 << 8);
+    /// The temperature was lost, and what it did meanwhile still has a share in the bias: for three
+    /// time constants of the second lag (5.5 h at most), and until the temperature, once the rate
+    /// has settled, has moved through the wider play. Never set without second lag and plays.
+    pub const HISTORY_UNKNOWN: Self = Self(1 << 9);
+    /// Since the start the temperature has jumped further than the part can, and one away from
+    /// where it was before was accepted in the end. It may be right now, or may have been before.
+    pub const TEMPERATURE_JUMPED: Self = Self(1 << 10);
 
     /// Every flag with its name, in the order of the bits.
-    pub const NAMES: [(Self, &'static str); 8] = [
+    pub const NAMES: [(Self, &'static str); 11] = [
         (Self::TEMPERATURE_INVALID, "temperature_invalid"),
         (Self::TEMPERATURE_SPIKE, "temperature_spike"),
         (Self::TEMPERATURE_LOST, "temperature_lost"),
@@ -71,6 +82,9 @@ impl Status {
         (Self::TEMPERATURE_CLAMPED, "temperature_clamped"),
         (Self::RATE_CLAMPED, "rate_clamped"),
         (Self::RAW_INVALID, "raw_invalid"),
+        (Self::LAG_CLAMPED, "lag_clamped"),
+        (Self::HISTORY_UNKNOWN, "history_unknown"),
+        (Self::TEMPERATURE_JUMPED, "temperature_jumped"),
     ];
 
     /// The flags as bits, for storing and sending.
@@ -96,6 +110,12 @@ impl Status {
     /// The flags where `condition` holds, else none.
     pub(crate) const fn when(self, condition: bool) -> Self {
         if condition { self } else { Self::OK }
+    }
+
+    /// The flags where `sign` holds, else none.
+    #[inline(always)]
+    pub(crate) const fn where_holds(self, sign: Sign) -> Self {
+        Self(sign.keep(self.0 as i32) as u16)
     }
 
     /// [`Status::RAW_INVALID`] if a gyro sample is NaN or infinite, or nothing.

@@ -1,125 +1,15 @@
 //! The coefficient table: the bias model as cells of equal width over the calibrated range.
 
-use crate::error::{MAX_COEFFICIENT, is_within};
-use crate::history::{History, Play, SlowPart};
+use crate::error::is_within;
+use crate::history::PLAYS;
+use crate::terms::are_usable;
 use crate::thermal::clamp;
-use crate::{Status, TableError, Thermal, ThermalPoint};
+use crate::{Status, TableError, Terms, Thermal, ThermalPoint};
 
 /// The most cells a table can have.
 pub const MAX_CELLS: usize = 1024;
 /// The most axes of a unit, all temperature channels together, in images, over the link and in logs.
 pub const MAX_AXES: usize = 6;
-
-/// The coefficients of one axis in one cell, lowest power first.
-///
-/// `z` runs from 0 at the cold edge of the cell to 1 at its hot edge, so `a[0]` is the bias at
-/// the cold edge and `a[0] + a[1] + a[2]` the bias at the hot edge.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(
-    feature = "zerocopy",
-    derive(zerocopy::FromBytes, zerocopy::IntoBytes, zerocopy::Immutable)
-)]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
-    serde(into = "[f32; Terms::COUNT]", from = "[f32; Terms::COUNT]")
-)]
-#[repr(C)]
-pub struct Terms {
-    /// Bias at zero rate: `a[0] + a[1] z + a[2] z^2` \[unit of the axis\].
-    pub a: [f32; Terms::STATIC],
-    /// Bias per rate: `r[0] + r[1] z` \[unit of the axis per degC/min\].
-    pub r: [f32; Terms::RATE],
-}
-
-impl Terms {
-    /// The coefficients `a` and `r`, lowest power first; those that are not given are 0.
-    pub const fn new<const A: usize, const R: usize>(a: [f32; A], r: [f32; R]) -> Self {
-        const { assert!(A <= Self::STATIC && R <= Self::RATE) }
-        let mut terms = Self {
-            a: [0.0; Self::STATIC],
-            r: [0.0; Self::RATE],
-        };
-        let mut power = 0;
-        while power < A {
-            terms.a[power] = a[power];
-            power += 1;
-        }
-        let mut power = 0;
-        while power < R {
-            terms.r[power] = r[power];
-            power += 1;
-        }
-        terms
-    }
-
-    /// The bias at place `z` in the cell and rate `rate_c_per_min`
-    /// (the composite model of Weng et al. 2020 in the basis of the cell).
-    #[inline(always)]
-    pub fn bias(&self, z: f32, rate_c_per_min: f32) -> f32 {
-        let [a0, a1, a2] = self.a;
-        let [r0, r1] = self.r;
-        (a0 + z * (a1 + z * a2)) + rate_c_per_min * (r0 + z * r1)
-    }
-
-    const fn is_usable(&self) -> bool {
-        let values = self.to_array();
-        let mut i = 0;
-        while i < values.len() {
-            if !is_within(values[i], -MAX_COEFFICIENT, MAX_COEFFICIENT) {
-                return false;
-            }
-            i += 1;
-        }
-        true
-    }
-}
-
-/// The list of terms, and conversions to and from arrays in its order.
-macro_rules! in_order {
-    ([$($a:ident),+], [$($r:ident),+]) => {
-        impl Terms {
-            /// Number of static coefficients, `a`.
-            pub const STATIC: usize = [$(stringify!($a)),+].len();
-
-            /// Number of rate coefficients, `r`.
-            pub const RATE: usize = [$(stringify!($r)),+].len();
-
-            /// Number of all coefficients.
-            pub const COUNT: usize = Self::STATIC + Self::RATE;
-
-            /// Names of the coefficients: those of `a`, then those of `r`, lowest power first.
-            pub const NAMES: [&'static str; Self::COUNT] =
-                [$(stringify!($a),)+ $(stringify!($r)),+];
-
-            /// The coefficients in the order of [`NAMES`](Self::NAMES).
-            pub const fn to_array(&self) -> [f32; Self::COUNT] {
-                let ([$($a),+], [$($r),+]) = (self.a, self.r);
-                [$($a,)+ $($r),+]
-            }
-
-            /// The inverse of [`to_array`](Self::to_array).
-            pub const fn from_array([$($a,)+ $($r),+]: [f32; Self::COUNT]) -> Self {
-                Self { a: [$($a),+], r: [$($r),+] }
-            }
-        }
-    };
-}
-
-in_order!([a0, a1, a2], [r0, r1]);
-
-impl From<Terms> for [f32; Terms::COUNT] {
-    fn from(terms: Terms) -> Self {
-        terms.to_array()
-    }
-}
-
-impl From<[f32; Terms::COUNT]> for Terms {
-    fn from(values: [f32; Terms::COUNT]) -> Self {
-        Self::from_array(values)
-    }
-}
 
 /// A checked coefficient table for `AXES` axes that share one temperature.
 ///
@@ -127,10 +17,9 @@ impl From<[f32; Terms::COUNT]> for Terms {
 /// of whatever widths, are represented by cells of one width, which makes finding the cell one
 /// multiplication (and its cost independent of the temperature).
 ///
-/// `PLAYS` hysteresis terms and `SLOW` second thermal lags come on top where the set has them
-/// ([`with_history`](Self::with_history)).
+/// Every table has the same shape: terms that a fit does not use are zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Table<'a, const AXES: usize, const PLAYS: usize = 0, const SLOW: usize = 0> {
+pub struct Table<'a, const AXES: usize> {
     thermal: Thermal,
     /// Cold edge of the first cell \[degC\].
     first_edge_c: f32,
@@ -140,7 +29,8 @@ pub struct Table<'a, const AXES: usize, const PLAYS: usize = 0, const SLOW: usiz
     t_max_c: f32,
     cells: &'a [[Terms; AXES]],
     coldest: &'a [Terms; AXES],
-    history: History<AXES, PLAYS, SLOW>,
+    /// For each play and axis \[unit of the axis per degC\].
+    play_gains: [[f32; AXES]; PLAYS],
 }
 
 /// Where a lag-compensated temperature falls in a table.
@@ -206,37 +96,25 @@ impl<'a, const AXES: usize> Table<'a, AXES> {
             t_max_c: last_edge_c,
             cells,
             coldest,
-            history: History::NONE,
+            play_gains: [[0.0; AXES]; PLAYS],
         })
     }
 
-    /// Adds terms of the thermal history.
+    /// Adds the gains of the plays: for each play and axis \[unit of the axis per degC\].
     ///
     /// # Errors
-    /// Names the first figure that is not finite or out of its range.
-    pub const fn with_history<const PLAYS: usize, const SLOW: usize>(
-        self,
-        plays: [Play<AXES>; PLAYS],
-        slow_parts: [SlowPart<AXES>; SLOW],
-    ) -> Result<Table<'a, AXES, PLAYS, SLOW>, TableError> {
-        let history = match History::new(self.thermal.settings().tau_s, plays, slow_parts) {
-            Ok(history) => history,
-            Err(error) => return Err(error),
-        };
-        Ok(Table {
-            thermal: self.thermal,
-            first_edge_c: self.first_edge_c,
-            cells_per_c: self.cells_per_c,
-            t_min_c: self.t_min_c,
-            t_max_c: self.t_max_c,
-            cells: self.cells,
-            coldest: self.coldest,
-            history,
-        })
+    /// A gain that is not finite or beyond 1e20.
+    pub const fn with_plays(self, play_gains: [[f32; AXES]; PLAYS]) -> Result<Self, TableError> {
+        let mut play = 0;
+        while play < PLAYS {
+            if !are_usable(&play_gains[play]) {
+                return Err(TableError::Setting("play_gains"));
+            }
+            play += 1;
+        }
+        Ok(Self { play_gains, ..self })
     }
-}
 
-impl<'a, const AXES: usize, const PLAYS: usize, const SLOW: usize> Table<'a, AXES, PLAYS, SLOW> {
     /// Narrows the calibrated range to `t_min_c..=t_max_c` \[degC\]: where cells reach beyond the
     /// temperatures that were measured, they are not used.
     ///
@@ -287,9 +165,9 @@ impl<'a, const AXES: usize, const PLAYS: usize, const SLOW: usize> Table<'a, AXE
         self.cells
     }
 
-    /// The terms of the thermal history.
-    pub const fn history(&self) -> &History<AXES, PLAYS, SLOW> {
-        &self.history
+    /// The gains of the plays, for each play and axis \[unit of the axis per degC\].
+    pub const fn play_gains(&self) -> &[[f32; AXES]; PLAYS] {
+        &self.play_gains
     }
 
     /// Finds the cell of a lag-compensated temperature, which must not be NaN; outside the calibrated
@@ -312,7 +190,7 @@ impl<'a, const AXES: usize, const PLAYS: usize, const SLOW: usize> Table<'a, AXE
     }
 
     /// The bias of every axis at a thermal point, none of whose figures may be NaN \[unit of each
-    /// axis\]; without the terms of the thermal history.
+    /// axis\].
     ///
     /// # Timing
     /// No branch depends on the data.
@@ -322,7 +200,14 @@ impl<'a, const AXES: usize, const PLAYS: usize, const SLOW: usize> Table<'a, AXE
         // `place` never exceeds the last cell, so the alternative is never taken; it is there so
         // that the compiler need not provide for a panic.
         let cell = self.cells.get(place.cell).unwrap_or(self.coldest);
-        let bias = core::array::from_fn(|axis| cell[axis].bias(place.z, point.rate_c_per_min));
+        let mut bias = core::array::from_fn(|axis| {
+            cell[axis].bias(place.z, point.rate_c_per_min, point.lag2_c)
+        });
+        for (gains, play_c) in self.play_gains.iter().zip(point.plays_c) {
+            for (bias, gain) in bias.iter_mut().zip(gains) {
+                *bias += gain * play_c;
+            }
+        }
         (bias, point.status | place.status)
     }
 }
@@ -336,14 +221,6 @@ mod tests {
 
     fn thermal() -> Thermal {
         Thermal::new(ThermalSettings::DEFAULT).unwrap()
-    }
-
-    #[test]
-    fn bias_is_the_polynomial_of_all_terms() {
-        let terms = Terms::new([1.0, 2.0, 4.0], [8.0, 16.0]);
-        assert_eq!(terms.bias(0.0, 0.0), 1.0);
-        assert_eq!(terms.bias(0.5, 0.0), 1.0 + 1.0 + 1.0);
-        assert_eq!(terms.bias(0.5, 2.0), 3.0 + 2.0 * (8.0 + 8.0));
     }
 
     #[test]

@@ -4,10 +4,11 @@ use core::hint::select_unpredictable;
 
 use crate::conditioner::Conditioner;
 use crate::estimator::RateEstimator;
+use crate::history::{PLAYS, PlayState, SecondLagState};
 use crate::sign::{Sign, limit, magnitude};
 use crate::{Interval, Status, Thermal};
 
-/// Where in the space of temperatures and rates the bias model is to be evaluated.
+/// What the bias model is evaluated at.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ThermalPoint {
@@ -15,11 +16,15 @@ pub struct ThermalPoint {
     pub effective_c: f32,
     /// Rate of temperature, clamped to the calibrated range \[degC/min\].
     pub rate_c_per_min: f32,
+    /// Second lag `d2`, clamped to the calibrated range \[degC\].
+    pub lag2_c: f32,
+    /// What each play is behind, `v - c` \[degC\].
+    pub plays_c: [f32; PLAYS],
     /// Flags of the temperature.
     pub status: Status,
 }
 
-/// The state of the thermal path: conditioner, estimator, lag-compensated temperature.
+/// The state of the thermal path: conditioner, estimator, lag-compensated temperature, history.
 ///
 /// Used on its own by the fit, which thereby sees the very regressors that fly.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,7 +32,11 @@ pub struct ThermalPoint {
 pub struct ThermalState {
     conditioner: Conditioner,
     estimator: RateEstimator,
+    second: SecondLagState,
+    plays: PlayState,
     effective_c: f32,
+    /// What rate and history count for, 0 to 1: nothing while the temperature is lost.
+    weight: f32,
 }
 
 impl ThermalState {
@@ -36,8 +45,20 @@ impl ThermalState {
         let reference_c = thermal.settings.reference_c;
         Self {
             conditioner: Conditioner::new(reference_c),
-            estimator: RateEstimator::new(thermal, reference_c),
-            effective_c: reference_c,
+            weight: 0.0,
+            ..Self::at(thermal, reference_c)
+        }
+    }
+
+    /// The state of a part that has been at this temperature for long \[degC\].
+    const fn at(thermal: &Thermal, temp_c: f32) -> Self {
+        Self {
+            conditioner: Conditioner::new(temp_c),
+            estimator: RateEstimator::new(thermal, temp_c),
+            second: SecondLagState::new(temp_c),
+            plays: PlayState::new(thermal, temp_c),
+            effective_c: temp_c,
+            weight: 1.0,
         }
     }
 
@@ -55,13 +76,14 @@ impl ThermalState {
                 ..point
             };
         };
-        self.conditioner = conditioner;
-        self.estimator = RateEstimator::new(thermal, temp_c);
-        self.effective_c = temp_c;
+        *self = Self {
+            conditioner,
+            ..Self::at(thermal, temp_c)
+        };
         ThermalPoint {
             effective_c: temp_c,
-            rate_c_per_min: 0.0,
             status: Status::SETTLING,
+            ..ThermalPoint::default()
         }
     }
 
@@ -83,29 +105,52 @@ impl ThermalState {
             conditioned.change_c,
             conditioned.moved,
         );
-        let (rate, clamped) = clamp(
+        let (rate, rate_clamped) = clamp(
             rate,
             settings.rate_min_c_per_min,
             settings.rate_max_c_per_min,
             Status::RATE_CLAMPED,
         );
+        let (lag2_c, lag2_clamped) = clamp(
+            self.second.update(interval, &conditioned),
+            settings.lag2_min_c,
+            settings.lag2_max_c,
+            thermal.lag2_flag,
+        );
 
-        let measured_c = conditioned.temp_c - thermal.shift_min * rate;
+        // While the temperature is lost they fade out, so that the constant bias is left.
+        let weight = conditioned.lost.select(0.0, 1.0);
+        self.weight += limit(weight - self.weight, interval.fade);
+        let fading = Sign::above(magnitude(1.0), magnitude(self.weight));
+
+        let temp_c = conditioned.temp_c;
+        let measured_c = temp_c - thermal.shift_min * rate - settings.kappa2 * lag2_c;
         let target_c = conditioned.lost.select(settings.reference_c, measured_c);
         let way_c = target_c - self.effective_c;
         let ramping = Sign::above(magnitude(way_c), interval.near);
         self.effective_c += limit(way_c, interval.slew);
 
+        let drag_c = temp_c - thermal.play_shift_min * rate - settings.play_kappa2 * lag2_c;
+        let (plays_c, unknown) = self
+            .plays
+            .update(thermal, interval, &conditioned, drag_c, rate);
+
+        let settling = conditioned.settling | ramping | fading | self.plays.is_starting();
         ThermalPoint {
             effective_c: self.effective_c,
-            rate_c_per_min: rate,
+            rate_c_per_min: rate * self.weight,
+            lag2_c: lag2_c * self.weight,
+            plays_c: plays_c.map(|play_c| play_c * self.weight),
             status: interval.status
-                | clamped
+                | rate_clamped
+                | lag2_clamped
+                | Status::HISTORY_UNKNOWN.where_holds(unknown)
+                | Status::TEMPERATURE_JUMPED.where_holds(conditioned.jumped)
                 | Status::of([
                     conditioned.impossible,
                     conditioned.spike,
                     conditioned.lost,
-                    conditioned.settling | ramping,
+                    settling,
                 ]),
         }
     }

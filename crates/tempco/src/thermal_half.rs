@@ -1,6 +1,5 @@
 //! The thermal half: all that depends on temperature, at its slow rate.
 
-use crate::compensator::BiasState;
 use crate::{BiasRamp, Interval, Status, Table, ThermalPoint, ThermalState};
 
 /// Turns each temperature into a ramp of the bias, for units whose gyro is sampled faster than
@@ -10,9 +9,9 @@ use crate::{BiasRamp, Interval, Status, Table, ThermalPoint, ThermalState};
 /// [`RampBuffer`](crate::RampBuffer). Each ramp begins where the one before ends. So the slope does not
 /// depend on where the sample half is, and there is no step while updates come on schedule.
 #[derive(Clone, Debug)]
-pub struct ThermalHalf<'t, const AXES: usize, const PLAYS: usize = 0, const SLOW: usize = 0> {
-    table: &'t Table<'t, AXES, PLAYS, SLOW>,
-    state: BiasState<PLAYS, SLOW>,
+pub struct ThermalHalf<'t, const AXES: usize> {
+    table: &'t Table<'t, AXES>,
+    state: ThermalState,
     /// The bias the last ramp ends at.
     end: [f32; AXES],
     samples_per_update: u16,
@@ -20,18 +19,16 @@ pub struct ThermalHalf<'t, const AXES: usize, const PLAYS: usize = 0, const SLOW
     point: ThermalPoint,
 }
 
-impl<'t, const AXES: usize, const PLAYS: usize, const SLOW: usize>
-    ThermalHalf<'t, AXES, PLAYS, SLOW>
-{
+impl<'t, const AXES: usize> ThermalHalf<'t, AXES> {
     /// A thermal half that has not seen a temperature.
     ///
     /// `samples_per_update` is the number of gyro samples between two thermal updates, 1 to
     /// 65535 (0 counts as 1).
-    pub fn new(table: &'t Table<'t, AXES, PLAYS, SLOW>, samples_per_update: u16) -> Self {
+    pub fn new(table: &'t Table<'t, AXES>, samples_per_update: u16) -> Self {
         let samples = samples_per_update.max(1);
         Self {
             table,
-            state: BiasState::new(table),
+            state: ThermalState::new(table.thermal()),
             end: Self::constant(table).end,
             samples_per_update: samples,
             updates_per_sample: 1.0 / f32::from(samples),
@@ -40,7 +37,7 @@ impl<'t, const AXES: usize, const PLAYS: usize, const SLOW: usize>
     }
 
     /// The constant bias, to be applied before the first temperature.
-    pub fn constant(table: &Table<'_, AXES, PLAYS, SLOW>) -> BiasRamp<AXES> {
+    pub fn constant(table: &Table<'_, AXES>) -> BiasRamp<AXES> {
         let (end, status) = table.bias(&constant_point(table));
         BiasRamp {
             end,
@@ -53,7 +50,7 @@ impl<'t, const AXES: usize, const PLAYS: usize, const SLOW: usize>
     /// Starts at the first temperature after power-on \[degC\], without ramping to it. Publish this
     /// ramp, or only that of an update that follows at once.
     pub fn start(&mut self, temp_c: f32) -> BiasRamp<AXES> {
-        self.point = self.state.start(self.table, temp_c);
+        self.point = self.state.start(self.table.thermal(), temp_c);
         let (end, status) = self.table.bias(&self.point);
         self.end = end;
         self.ramp([0.0; AXES], status)
@@ -66,8 +63,9 @@ impl<'t, const AXES: usize, const PLAYS: usize, const SLOW: usize>
     #[inline(always)]
     pub fn update(&mut self, interval: &Interval, temp_c: f32) -> BiasRamp<AXES> {
         let before = self.end;
-        let (point, end, status) = self.state.update(self.table, interval, temp_c);
-        (self.point, self.end) = (point, end);
+        self.point = self.state.update(self.table.thermal(), interval, temp_c);
+        let (end, status) = self.table.bias(&self.point);
+        self.end = end;
         let slope =
             core::array::from_fn(|axis| (end[axis] - before[axis]) * self.updates_per_sample);
         self.ramp(slope, status)
@@ -90,17 +88,15 @@ impl<'t, const AXES: usize, const PLAYS: usize, const SLOW: usize>
 
     /// The state of the thermal path, for its counters.
     pub const fn thermal_state(&self) -> &ThermalState {
-        &self.state.thermal
+        &self.state
     }
 }
 
 /// Where the model is evaluated before any temperature.
-const fn constant_point<const AXES: usize, const PLAYS: usize, const SLOW: usize>(
-    table: &Table<'_, AXES, PLAYS, SLOW>,
-) -> ThermalPoint {
+fn constant_point<const AXES: usize>(table: &Table<'_, AXES>) -> ThermalPoint {
     ThermalPoint {
         effective_c: table.thermal().settings().reference_c,
-        rate_c_per_min: 0.0,
         status: Status::TEMPERATURE_LOST,
+        ..ThermalPoint::default()
     }
 }

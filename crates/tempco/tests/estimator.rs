@@ -96,6 +96,32 @@ fn a_ramp_since_before_power_on_is_known_after_a_minute() {
     }
 }
 
+/// The least divisor bounds the rate that a slow estimator derives from the first minutes.
+#[test]
+fn the_divisor_of_the_rate_has_a_floor() {
+    for &(tau_s, least_divisor) in first(
+        &[(2400.0, 0.25), (2400.0, 1.0), (2400.0, 0.0), (60.0, 0.5)],
+        1,
+    ) {
+        let thermal = thermal(ThermalSettings {
+            tau_s,
+            least_divisor,
+            ..SETTINGS
+        });
+        let temps = (0..1200).map(|s| 25.0 + 2.0 / 60.0 * f64::from(s));
+        for (s, rate) in (1..).zip(rates(&thermal, 1.0, temps)) {
+            let memory = -(-f64::from(s) / f64::from(tau_s)).exp_m1();
+            let floor = f64::max(f64::from(least_divisor), (60.0 / f64::from(tau_s)).min(1.0));
+            let expected = 2.0 * memory / f64::max(memory, floor);
+            let error = (rate - expected).abs();
+            assert!(
+                error < 0.002,
+                "{rate}, {expected} after {s} s, {least_divisor}"
+            );
+        }
+    }
+}
+
 #[test]
 fn a_steady_ramp_is_exact_at_every_interval() {
     for &tau_s in first(&[60.0, 6.0, 600.0], 1) {

@@ -10,6 +10,7 @@ const BAD: Status = Status::TEMPERATURE_INVALID;
 const SPIKE: Status = Status::TEMPERATURE_SPIKE;
 const LOST: Status = Status::TEMPERATURE_LOST;
 const SETTLING: Status = Status::SETTLING;
+const JUMPED: Status = Status::TEMPERATURE_JUMPED;
 
 /// Codes at a rail of the sensor, and their quotients with a dead reference.
 const BROKEN: [f32; 9] = [
@@ -90,15 +91,18 @@ fn past_the_hold_time_only_the_constant_bias_is_applied() {
         for (second, out) in (1..).zip(feed(&mut unit, vec![f32::NAN; fewer(3000, 200)])) {
             assert!(out.status.contains(BAD | LOST | SETTLING), "{second} s");
             assert_eq!(out.status.validity(), Validity::Invalid);
-            // The rate decays on; it does not drop to zero in a step.
-            let rate = 3.0 * (-((HOLD_S + second) as f32) / SETTINGS.tau_s).exp();
+            // The rate decays on and fades out within a minute; it does not drop in a step.
+            let fading = f32::max(1.0 - second as f32 / 60.0, 0.0);
+            let rate = 3.0 * (-((HOLD_S + second) as f32) / SETTINGS.tau_s).exp() * fading;
             assert!((out.point.rate_c_per_min - rate).abs() < 1e-3);
+            assert!(second <= 60 || out.point.rate_c_per_min == 0.0);
             assert!((out.point.effective_c - effective).abs() <= SLEW_C + 1e-4);
             effective = out.point.effective_c;
             for (bias, constant) in out.bias.iter().zip(expected) {
                 let left = rate * per_rate;
                 assert!(second < arrived || (bias - constant).abs() <= left + 1e-6);
             }
+            assert!(second <= arrived.max(60) || out.bias == expected);
         }
     }
 }
@@ -208,7 +212,7 @@ fn the_status_is_settling_while_the_effective_temperature_ramps() {
     }
 }
 
-/// A ramp faster than the settings allow passes the gate for ever, but not in silence.
+/// A ramp faster than the settings allow is followed in jumps, and not in silence.
 #[test]
 fn a_ramp_beyond_the_slew_is_flagged() {
     let settings = thermal(ThermalSettings {
@@ -219,7 +223,10 @@ fn a_ramp_beyond_the_slew_is_flagged() {
     state.start(&settings, 0.0);
     let second = Interval::new(&settings, 1.0);
     let ramp = (0..1800).map(|s| state.update(&settings, &second, s as f32 / 30.0));
-    assert!(ramp.skip(400).all(|point| point.status == SETTLING));
+    assert!(
+        ramp.skip(200)
+            .all(|point| point.status.contains(SETTLING | JUMPED))
+    );
 }
 
 /// Times are counted exactly at any rate of updates, however wide the gate and slow the slew.
@@ -326,7 +333,8 @@ fn a_step_is_believed_when_the_part_can_have_reached_it() {
             assert!((out.point.effective_c - effective).abs() <= SLEW_C);
             effective = out.point.effective_c;
             let settled = second == SETTLE_S;
-            assert_eq!(out.status, if settled { Status::OK } else { SETTLING });
+            let expected = if settled { Status::OK } else { SETTLING };
+            assert_eq!(out.status, expected | JUMPED);
         }
         assert_eq!(effective, 10.0 + step);
         assert_eq!(unit.thermal_state().restarts(), 2);
@@ -340,6 +348,6 @@ fn a_step_too_large_for_the_hold_time_is_believed_after_the_loss() {
     assert!(outs[..HOLD_S].iter().all(|o| o.status == SPIKE | SETTLING));
     assert_eq!(outs[HOLD_S].status, SPIKE | LOST | SETTLING);
     // It has been the same for a minute: the next one is accepted.
-    assert_eq!(outs[HOLD_S + 1].status, SETTLING);
+    assert_eq!(outs[HOLD_S + 1].status, SETTLING | JUMPED);
     assert_eq!(unit.thermal_state().rejected() as usize, HOLD_S + 1);
 }

@@ -63,6 +63,16 @@ fn each_setting_is_accepted_up_to_its_limits_and_not_beyond() {
         rate_min_c_per_min: -1e4, 0.0;
         rate_max_c_per_min: 0.0, 1e4;
         reference_c: -60.0, 150.0;
+        tau2_s: 0.1, 6e4;
+        kappa2: -2.0, 2.0;
+        lag2_min_c: -1e3, 0.0;
+        lag2_max_c: 0.0, 1e3;
+        half_width1_c: 0.0, 1e3;
+        half_width2_c: 0.0, 1e3;
+        play_kappa: -2.0, 2.0;
+        play_kappa2: -2.0, 2.0;
+        play_start_min: -1e3, 1e3;
+        least_divisor: 0.0, 1.0;
     }
     let range = |sensor_min_c, sensor_max_c| {
         let thermal = Thermal::new(ThermalSettings {

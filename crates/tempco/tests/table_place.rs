@@ -77,11 +77,12 @@ proptest! {
             effective_c: temp,
             rate_c_per_min: rate,
             status: Status::RATE_CLAMPED,
+            ..ThermalPoint::default()
         });
         prop_assert_eq!(status, Status::RATE_CLAMPED);
         let position = (f64::from(temp) - f64::from(T_MIN)) / 10.0;
         let (cell, z) = (position as usize, position.fract());
-        for (Terms { a, r }, bias) in CELLS[cell].iter().zip(bias) {
+        for (Terms { a, r, .. }, bias) in CELLS[cell].iter().zip(bias) {
             let at_z = |values: &[f32]| {
                 let powers = values.iter().rev();
                 powers.fold(0.0, |sum, &value| f64::from(value) + z * sum)
@@ -96,11 +97,10 @@ proptest! {
 #[test]
 fn at_the_edges_of_the_cells_the_bias_is_that_of_both_neighbours() {
     let at = |effective_c: f32, rate_c_per_min| {
-        let status = Status::OK;
         let point = ThermalPoint {
             effective_c,
             rate_c_per_min,
-            status,
+            ..ThermalPoint::default()
         };
         TABLE.bias(&point).0
     };

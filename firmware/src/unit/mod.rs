@@ -50,7 +50,7 @@ pub use parts::{Parts, scale};
 pub use sampling::Sampling;
 
 use tempco::{Schedule, Table, ThermalChannels};
-use tempco_image::{MAX_PLAYS, MAX_SLOW_PARTS};
+use tempco_image::MAX_LEN;
 
 use crate::table;
 
@@ -70,16 +70,14 @@ pub const SCHEDULE: Schedule = Schedule {
 /// Time without a sign of life after which the watchdog resets the unit \[ms\].
 pub const WATCHDOG_MS: u32 = 4000;
 
-/// The longest image of a table \[bytes\].
-pub const IMAGE_LEN: usize = 16 * 1024;
+/// Room for the image of a table \[bytes\]: the longest one of this layout, and what a newer minor
+/// version may add to it. The application has it twice in RAM.
+pub const IMAGE_LEN: usize = 26 * 1024;
 
-/// A table of the application. It has room for all the history terms that an image can have: they
-/// cost 77 instructions more per temperature, and then any table can be loaded.
-pub type UnitTable<'t, const A: usize> = Table<'t, A, MAX_PLAYS, MAX_SLOW_PARTS>;
+const _: () = assert!(MAX_LEN <= IMAGE_LEN);
 
 /// The tables of all channels.
-pub type UnitTables<'t, const C: usize, const A: usize> = [UnitTable<'t, A>; C];
+pub type UnitTables<'t, const C: usize, const A: usize> = [Table<'t, A>; C];
 
 /// The thermal halves of all channels.
-pub type UnitThermal<'t, const C: usize, const A: usize> =
-    ThermalChannels<'t, C, A, MAX_PLAYS, MAX_SLOW_PARTS>;
+pub type UnitThermal<'t, const C: usize, const A: usize> = ThermalChannels<'t, C, A>;

@@ -38,7 +38,8 @@ pub fn scale<G: Gyro<C, A>, const C: usize, const A: usize>(
     sample_rate_hz: f32,
 ) -> [[f32; A]; C] {
     let unit = |channel, axis| -> Option<AxisUnit> {
-        *image?.channel(channel).ok()?.units.get::<usize>(axis)?
+        let axes = image?.channel(channel).ok()?.axes;
+        axes.get::<usize>(axis)?.map(|axis| axis.unit)
     };
     core::array::from_fn(|channel| {
         core::array::from_fn(|axis| {

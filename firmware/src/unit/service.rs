@@ -4,8 +4,7 @@
 use core::sync::atomic::Ordering;
 
 use heapless::Vec;
-use tempco::{BiasRamp, Schedule, Status, ThermalPoint};
-use tempco_image::{MAX_PLAYS, MAX_SLOW_PARTS};
+use tempco::{BiasRamp, PLAYS, Schedule, Status, ThermalPoint};
 use tempco_link::{Channels, Fault, Losses, MAX_BLOCK, Outcome, Refusal, Telemetry};
 use tempco_replay::Replay;
 
@@ -27,6 +26,8 @@ use super::{UnitTables, UnitThermal};
 const NOWHERE: ThermalPoint = ThermalPoint {
     effective_c: f32::NAN,
     rate_c_per_min: f32::NAN,
+    lag2_c: f32::NAN,
+    plays_c: [f32::NAN; PLAYS],
     status: Status::TEMPERATURE_LOST,
 };
 
@@ -65,7 +66,7 @@ pub(super) struct Service<'t, F, T, K, const C: usize, const A: usize> {
     pub(super) period_ms: u32,
     /// Time of the last message that was sent so.
     unasked_ms: u32,
-    pub(super) replay: Option<Replay<'t, C, A, MAX_PLAYS, MAX_SLOW_PARTS>>,
+    pub(super) replay: Option<Replay<'t, C, A>>,
     /// Compensated samples of the last block.
     pub(super) block: Vec<u8, MAX_BLOCK>,
 }

@@ -1,7 +1,7 @@
 //! Tables, fault log and offsets in the flash.
 
 use tempco::MAX_AXES;
-use tempco_image::{Image, ImageError, MAX_PLAYS, MAX_SLOW_PARTS};
+use tempco_image::{Image, ImageError};
 use tempco_link::{Bank, Fault, FaultEntry, MAX_FAULTS, Refusal};
 use tempco_store::{Active, Checked, FaultLog, Offsets, Slot, SlotState, Store, StoreError};
 
@@ -33,7 +33,7 @@ pub struct Storage<'t, F> {
 /// The check by which an image is taken: integrity was checked before.
 fn accept<const C: usize, const A: usize>(image: &Image) -> Result<(), ImageError> {
     image.expect_serial(SERIAL)?;
-    image.tables::<C, A, MAX_PLAYS, MAX_SLOW_PARTS>().map(drop)
+    image.tables::<C, A>().map(drop)
 }
 
 impl<'t, F: Flash> Storage<'t, F> {

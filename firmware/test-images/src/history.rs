@@ -1,51 +1,54 @@
-//! The built-in table with terms of the thermal history, to measure and compare what they take.
+//! The built-in table with a second lag and both plays, to compare what becomes of them.
 
-use tempco::{Play, SlowPart, Table, Thermal, ThermalSettings};
+use tempco::{Table, Terms, Thermal, ThermalSettings};
 
 use tempco_firmware::table::{AXES, TABLES};
 
-/// One hysteresis term on top.
-pub static PLAY: Table<'static, AXES, 1> = match slow().with_history([TERM], []) {
-    Ok(table) => table,
-    Err(error) => panic!("{}", error.message()),
-};
-
-/// One hysteresis term and one second lag on top.
-pub static HISTORY: [Table<'static, AXES, 1, 1>; 1] = [match slow().with_history([TERM], [PART]) {
-    Ok(table) => table,
-    Err(error) => panic!("{}", error.message()),
-}];
-
-const TERM: Play<AXES> = Play {
-    half_width_c: 2.5,
-    gain: [0.001; AXES],
-};
-
-const PART: SlowPart<AXES> = SlowPart {
-    tau_s: 3600.0,
-    limit_c: 20.0,
-    gain: [-0.0005; AXES],
-};
-
-/// The table with a time constant that takes a correction after power-on, and with a shift.
-const fn slow() -> Table<'static, AXES> {
+/// With the time constant of a slow sensor, start rules, second lag and plays.
+pub static HISTORY: [Table<'static, AXES>; 1] = [{
     let table = &TABLES[0];
     let settings = ThermalSettings {
         tau_s: 600.0,
         kappa: 0.5,
+        tau2_s: 3600.0,
+        kappa2: 0.125,
+        lag2_min_c: -20.0,
+        lag2_max_c: 20.0,
+        half_width1_c: 2.5,
+        half_width2_c: 6.0,
+        play_kappa: 0.25,
+        play_kappa2: -0.125,
+        play_start_min: 1.5,
+        least_divisor: 0.25,
         ..*table.thermal().settings()
     };
     let thermal = match Thermal::new(settings) {
         Ok(thermal) => thermal,
         Err(error) => panic!("{}", error.message()),
     };
-    match Table::new(
-        thermal,
-        table.first_edge_c(),
-        table.t_max_c(),
-        table.cells(),
-    ) {
+    let cold_c = table.first_edge_c();
+    let table = match Table::new(thermal, cold_c, table.t_max_c(), &CELLS) {
+        Ok(table) => table,
+        Err(error) => panic!("{}", error.message()),
+    };
+    match table.with_plays([[0.001; AXES], [-0.002; AXES]]) {
         Ok(table) => table,
         Err(error) => panic!("{}", error.message()),
     }
-}
+}];
+
+/// The cells, with terms of the second lag.
+static CELLS: [[Terms; AXES]; TABLES[0].cells().len()] = {
+    let mut cells = [[Terms::new([], []); AXES]; TABLES[0].cells().len()];
+    let mut cell = 0;
+    while cell < cells.len() {
+        cells[cell] = TABLES[0].cells()[cell];
+        let mut axis = 0;
+        while axis < AXES {
+            cells[cell][axis].s = [-0.0005, 0.0001];
+            axis += 1;
+        }
+        cell += 1;
+    }
+    cells
+};

@@ -24,10 +24,6 @@ pub struct Units<'t, const A: usize> {
     pub ramps: &'t RampBuffer<A>,
     /// The sample half for whole pulses.
     pub whole: PulseCorrector<'t, A>,
-    /// Both with a hysteresis term.
-    pub play: Pair<'t, A, 1, 0>,
-    /// Both with a hysteresis term and a second lag.
-    pub history: Pair<'t, A, 1, 1>,
     /// What is usually done instead; no part of an image that proves something of the core.
     #[cfg(not(feature = "link-guard"))]
     pub baselines: Baselines<A>,
@@ -38,39 +34,6 @@ pub struct Units<'t, const A: usize> {
     /// What [`block8`] takes the bias out of.
     pub block: [[f32; A]; BLOCK],
     table: &'t Table<'t, A>,
-}
-
-/// Both compensators of a table with terms of the thermal history.
-#[derive(Clone, Debug)]
-#[repr(C)]
-pub struct Pair<'t, const A: usize, const P: usize, const S: usize> {
-    single: Compensator<'t, A, P, S>,
-    thermal: ThermalHalf<'t, A, P, S>,
-}
-
-impl<'t, const A: usize, const P: usize, const S: usize> Pair<'t, A, P, S> {
-    fn new(table: &'t Table<'t, A, P, S>, samples_per_update: u16) -> Self {
-        Self {
-            single: Compensator::new(table),
-            thermal: ThermalHalf::new(table, samples_per_update),
-        }
-    }
-
-    fn start(&mut self, temp_c: f32) {
-        self.single.start(temp_c);
-        self.thermal.start(temp_c);
-    }
-}
-
-/// The tables of [`Units`]: the same one without and with terms of the thermal history.
-#[derive(Clone, Copy, Debug)]
-pub struct Tables<'t, const A: usize> {
-    /// Without.
-    pub plain: &'t Table<'t, A>,
-    /// With a hysteresis term.
-    pub play: &'t Table<'t, A, 1>,
-    /// With a hysteresis term and a second lag.
-    pub history: &'t Table<'t, A, 1, 1>,
 }
 
 /// From the thermal halves to the sample halves.
@@ -114,15 +77,12 @@ pub type Kernel<'t, const A: usize> = fn(&mut Units<'t, A>, &Inputs<A>, &mut Out
 
 impl<'t, const A: usize> Units<'t, A> {
     /// Units as after power-on.
-    pub fn new(tables: Tables<'t, A>, buffers: &'t Buffers<A>, samples_per_update: u16) -> Self {
-        let table = tables.plain;
+    pub fn new(table: &'t Table<'t, A>, buffers: &'t Buffers<A>, samples_per_update: u16) -> Self {
         Self {
             single: Compensator::new(table),
             thermal: ThermalHalf::new(table, samples_per_update),
             ramps: &buffers.ramps,
             whole: PulseCorrector::new(&buffers.whole),
-            play: Pair::new(tables.play, samples_per_update),
-            history: Pair::new(tables.history, samples_per_update),
             #[cfg(not(feature = "link-guard"))]
             baselines: Baselines::new(table),
             interval: Interval::new(table.thermal(), 0.0),
@@ -136,22 +96,12 @@ impl<'t, const A: usize> Units<'t, A> {
     pub fn start(&mut self, temp_c: f32) {
         self.single.start(temp_c);
         self.thermal.start(temp_c);
-        self.play.start(temp_c);
-        self.history.start(temp_c);
     }
 
     /// Takes the thermal inputs of a sample with all units.
     pub fn advance(&mut self, inputs: &Inputs<A>, out: &mut Output<A>) {
-        for kernel in [
-            step,
-            thermal,
-            step_play,
-            thermal_play,
-            step_history,
-            thermal_history,
-        ] {
-            kernel(self, inputs, out);
-        }
+        step(self, inputs, out);
+        thermal(self, inputs, out);
     }
 }
 
@@ -173,38 +123,6 @@ pub fn step<const A: usize>(units: &mut Units<'_, A>, inputs: &Inputs<A>, out: &
 pub fn thermal<const A: usize>(units: &mut Units<'_, A>, inputs: &Inputs<A>, _: &mut Output<A>) {
     let ramp = units.thermal.update(&inputs.interval, inputs.temp_c);
     units.ramps.publish(&ramp);
-}
-
-/// Functions of the tables with terms of the thermal history.
-macro_rules! with_history {
-    ($($step:ident, $thermal:ident: $pair:ident;)+) => {$(
-        #[doc = concat!("[`step`] of the units `", stringify!($pair), "`.")]
-        #[inline(never)]
-        pub fn $step<const A: usize>(
-            units: &mut Units<'_, A>,
-            inputs: &Inputs<A>,
-            out: &mut Output<A>,
-        ) {
-            let unit = &mut units.$pair.single;
-            *out = unit.step(&inputs.interval, inputs.temp_c, inputs.raw);
-        }
-
-        #[doc = concat!("[`thermal`] of the units `", stringify!($pair), "`.")]
-        #[inline(never)]
-        pub fn $thermal<const A: usize>(
-            units: &mut Units<'_, A>,
-            inputs: &Inputs<A>,
-            _: &mut Output<A>,
-        ) {
-            let ramp = units.$pair.thermal.update(&inputs.interval, inputs.temp_c);
-            units.ramps.publish(&ramp);
-        }
-    )+};
-}
-
-with_history! {
-    step_play, thermal_play: play;
-    step_history, thermal_history: history;
 }
 
 /// [`Corrector::correct`]: a gyro sample along its ramp.

@@ -1,8 +1,7 @@
 //! What the image `bench` measures.
 
 use tempco_firmware::table::{AXES, TABLES};
-use tempco_test_images::history::{HISTORY, PLAY};
-use tempco_test_images::kernels::{self, BLOCK, Buffers, Inputs, Tables, Units};
+use tempco_test_images::kernels::{self, BLOCK, Buffers, Inputs, Units};
 
 /// The bench must measure working code.
 #[test]
@@ -16,13 +15,8 @@ fn kernels_do_what_they_are_named_after() {
         raw: [1.0, 2.0, 3.0],
         pulses: [1, 2, 3],
     };
-    let tables = Tables {
-        plain: table,
-        play: &PLAY,
-        history: &HISTORY[0],
-    };
     let buffers = Buffers::new();
-    let mut units = Units::new(tables, &buffers, 1);
+    let mut units = Units::new(table, &buffers, 1);
     units.start(25.0);
     let mut single = tempco::Compensator::new(table);
     single.start(25.0);
@@ -45,15 +39,6 @@ fn kernels_do_what_they_are_named_after() {
     assert_eq!(units.interval, interval);
     kernels::pulses(&mut units, &inputs, &mut output);
     assert_eq!(units.pulses, [1, 2, 3], "no ramp");
-
-    let mut single = tempco::Compensator::new(&HISTORY[0]);
-    single.start(25.0);
-    let expected = single.step(&interval, 26.0, inputs.raw);
-    kernels::step_history(&mut units, &inputs, &mut output);
-    assert_eq!(output, expected);
-    kernels::thermal_history(&mut units, &inputs, &mut output);
-    kernels::subtract(&mut units, &inputs, &mut output);
-    assert_eq!(output.compensated, expected.compensated);
 
     kernels::cubic(&mut units, &inputs, &mut output);
     for axis in 0..AXES {

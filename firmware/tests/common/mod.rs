@@ -22,7 +22,7 @@ use tempco_firmware::unit::storage::Storage;
 use tempco_firmware::unit::{
     AXES, CHANNELS, IMAGE_LEN, Next, Parts, SERIAL, Sampling, Unit, UnitTables, scale,
 };
-use tempco_image::{AlignedBytes, Channel, ChannelHistory, Info, Unit as AxisUnit, encode};
+use tempco_image::{AlignedBytes, Axis, Channel, Info, Unit as AxisUnit, encode};
 use tempco_link::{
     Client, Event, Fault, FaultEntry, FaultSet, MAX_CHUNK, Refusal, Request, Response, Telemetry,
 };
@@ -448,14 +448,14 @@ pub(crate) fn image(serial: &str, table_crc: u32) -> Vec<u8> {
         last_edge_c: 80.0,
         t_min_c: -15.0,
         t_max_c: 80.0,
-        units: AxisUnit::array(&[AxisUnit::PulsesPerS; AXES]),
+        period_s: 0.1,
+        axes: Axis::array(&[Axis::new(AxisUnit::PulsesPerS); AXES]),
         cells: table.cells().as_flattened(),
-        history: ChannelHistory::NONE,
     };
     let info = Info {
         serial,
         table_crc,
-        continuous: false,
+        ..Info::default()
     };
     let mut bytes = vec![0; IMAGE_LEN];
     let len = encode(&info, &[channel], &mut bytes).unwrap();

@@ -134,12 +134,8 @@ fn show(image: &Image, in_full: bool) -> Result<()> {
 
 fn show_channel(number: usize, channel: &Channel, in_full: bool) -> Result<()> {
     let s = &channel.thermal;
-    let units: Vec<&str> = channel
-        .units
-        .iter()
-        .flatten()
-        .map(|unit| symbol(*unit))
-        .collect();
+    let axes = || channel.axes.iter().flatten();
+    let units: Vec<&str> = axes().map(|axis| symbol(axis.unit)).collect();
     print_wrapped(&format!(
         "channel {number}: {} to {} degC, {} to {} degC/min; {} cells from {} to {} degC; axes in {}",
         channel.t_min_c,
@@ -151,19 +147,19 @@ fn show_channel(number: usize, channel: &Channel, in_full: bool) -> Result<()> {
         channel.last_edge_c,
         units.join(", "),
     ))?;
-    for play in channel.history.plays() {
+    let half_widths_c = [s.half_width1_c, s.half_width2_c].into_iter().enumerate();
+    for (play, half_width_c) in half_widths_c.filter(|(_, width_c)| *width_c > 0.0) {
+        let gains = axes().zip(&units);
+        let gains = gains.map(|(axis, unit)| format!("{} {unit}", axis.play_gains[play]));
         print_wrapped(&format!(
-            "play: half width {} degC, gain per degC {}",
-            play.half_width_c,
-            gains(&play.gain, &units)
+            "play: half width {half_width_c} degC, gain per degC {}",
+            gains.collect::<Vec<_>>().join(", ")
         ))?;
     }
-    for part in channel.history.slow_parts() {
+    if s.lag2_min_c < 0.0 || s.lag2_max_c > 0.0 {
         print_wrapped(&format!(
-            "second thermal lag: tau {} s, lag up to {} degC, gain per degC {}",
-            part.tau_s,
-            part.limit_c,
-            gains(&part.gain, &units)
+            "second lag: tau {} s, {} to {} degC",
+            s.tau2_s, s.lag2_min_c, s.lag2_max_c
         ))?;
     }
     if !in_full {
@@ -182,14 +178,6 @@ fn show_channel(number: usize, channel: &Channel, in_full: bool) -> Result<()> {
         s.heal_s,
         s.reference_c,
     ))
-}
-
-fn gains(gain: &[f32], units: &[&str]) -> String {
-    let of_axes = gain.iter().zip(units);
-    let texts: Vec<String> = of_axes
-        .map(|(gain, unit)| format!("{gain} {unit}"))
-        .collect();
-    texts.join(", ")
 }
 
 const fn symbol(unit: Unit) -> &'static str {

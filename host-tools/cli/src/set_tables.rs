@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use comfy_table::Table;
-use tempco_set::{Candidate, ChannelSet, SegmentSet};
+use tempco_set::{Candidate, ChannelSet, HistoryTerm, SegmentSet};
 
 use crate::output::{figure, print, print_lines, states, table};
 
@@ -53,30 +53,26 @@ fn coverage(segments: &[SegmentSet]) -> Table {
 
 /// History terms with their gains; nothing where there are none.
 pub(crate) fn show_states(channel: &ChannelSet) -> Result<()> {
-    let plays = channel.table.plays.iter().map(|play| {
-        let width = format!("play, half width {} degC", figure(play.half_width_c.into()));
-        (width, play.half_width_c > 0.0)
-    });
-    let slow_parts = channel.table.slow_parts.iter().map(|part| {
-        let lag = format!(
-            "second thermal lag, tau {} s, lag up to {} degC",
-            figure(part.tau_s.into()),
-            figure(part.limit_c.into())
-        );
-        (lag, part.limit_c > 0.0)
-    });
-    let terms: Vec<(String, bool)> = plays.chain(slow_parts).collect();
     let mut rows = Vec::new();
     for axis in &channel.axes {
-        let gains = terms.iter().zip(&axis.gains);
-        for ((term, _), gain) in gains.filter(|((_, used), _)| *used) {
+        for (term, gain) in channel.history(axis) {
             let [value, sigma] = match gain.sigma {
                 0.0 => ["-".to_owned(), "-".to_owned()],
                 sigma => [format!("{:+.3e}", gain.gain), format!("{sigma:.1e}")],
             };
+            let term = match term {
+                HistoryTerm::Play { half_width_c } => {
+                    format!("play, half width {} degC", figure(half_width_c.into()))
+                }
+                HistoryTerm::SecondLag { tau2_s, limit_c } => format!(
+                    "second lag, tau {} s, up to {} degC",
+                    figure(tau2_s.into()),
+                    figure(limit_c.into())
+                ),
+            };
             rows.push(vec![
                 format!("{} [{}]", axis.name, axis.unit),
-                term.clone(),
+                term,
                 value,
                 sigma,
             ]);
@@ -116,7 +112,7 @@ pub(crate) fn show_choice(channel: &ChannelSet) -> Result<()> {
         print(format_args!(
             "\nRMS error of means over 10 s that were left out of the fit, in {} parts of {} soaks \
              and ramps",
-            errors.folds, errors.legs
+            errors.folds, errors.soaks_and_ramps
         ))?;
         let header = ["axis", "none", "static", "cubic", "composite", "this model"];
         print_lines(table(&header, rows))?;

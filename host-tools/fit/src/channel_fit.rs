@@ -3,20 +3,23 @@
 use tempco::{Terms, ThermalSettings};
 use tempco_set::build::{self, Fitted};
 use tempco_set::{
-    AxisSet, ChannelSet, CoefficientSigmas, GainSet, HeldOutErrors, NoiseSet, Overlap, Polynomial,
-    Screening, SegmentSet, Segmentation, Selection, Term,
+    AxisSet, ChannelSet, CoefficientSigmas, GainSet, HeldOutErrors, NoiseSet, Outliers, Overlap,
+    Polynomial, SegmentSet, Segmentation, Selection,
 };
 
 use crate::summary::ChannelData;
 
 /// A fitted channel before its table is made.
 pub(crate) struct ChannelFit {
-    /// Settings of the thermal path; rate limits and reference temperature are not set yet.
+    /// Settings of the thermal path; limits of rate and lag and reference temperature are not set
+    /// yet.
     pub(crate) thermal: ThermalSettings,
     /// Range of lag-compensated temperatures that was measured and is modelled \[degC\].
     pub(crate) calibrated_c: (f32, f32),
     /// Range of rates that was measured \[degC/min\].
     pub(crate) rates: (f32, f32),
+    /// Range of second lags that was measured \[degC\].
+    pub(crate) lags: (f32, f32),
     pub(crate) segmentation: Segmentation,
     pub(crate) overlap: Overlap,
     pub(crate) segments: Vec<SegmentSet>,
@@ -26,15 +29,13 @@ pub(crate) struct ChannelFit {
     pub(crate) sigmas: Vec<Vec<CoefficientSigmas>>,
     /// By axis, where `sigmas` account for it.
     pub(crate) noises: Vec<Option<NoiseSet>>,
-    /// History terms, each with its largest value in the kept rows \[degC\].
-    pub(crate) history: Vec<(Term, f32)>,
-    /// By axis and term.
+    /// By axis and play.
     pub(crate) gains: Vec<Vec<GainSet>>,
 }
 
 /// What was found on the way to a fit.
 pub(crate) struct Findings {
-    pub(crate) screening: Screening,
+    pub(crate) outliers: Outliers,
     pub(crate) selection: Option<Selection>,
     /// By axis.
     pub(crate) held_out: Vec<HeldOutErrors>,
@@ -48,6 +49,7 @@ impl ChannelFit {
         for polynomial in &mut self.polynomials[axis] {
             polynomial.a = [constant, 0.0, 0.0];
             polynomial.r = [0.0; Terms::RATE];
+            polynomial.s = [0.0; Terms::LAG];
         }
         self.sigmas[axis].fill(CoefficientSigmas::new(&[], &[]));
         self.noises[axis] = None;
@@ -63,6 +65,8 @@ impl ChannelFit {
         let thermal = ThermalSettings {
             rate_min_c_per_min: self.rates.0.min(0.0),
             rate_max_c_per_min: self.rates.1.max(0.0),
+            lag2_min_c: self.lags.0.min(0.0),
+            lag2_max_c: self.lags.1.max(0.0),
             reference_c,
             ..self.thermal
         };
@@ -70,7 +74,6 @@ impl ChannelFit {
         let fitted = Fitted {
             temperature: channel.column.clone(),
             segments: self.segments,
-            history: self.history,
             axes: channel
                 .axes
                 .iter()
@@ -91,15 +94,18 @@ impl ChannelFit {
                     },
                 )
                 .collect(),
-            screening: Some(findings.screening),
+            outliers: Some(findings.outliers),
             selection: findings.selection,
         };
+        let channels = data.logs[0].channels.iter();
+        let axes_of_unit = channels.map(|channel| channel.axes.len()).sum();
         build::channel(
             fitted,
             &self.segmentation,
             self.overlap,
             thermal,
             self.calibrated_c,
+            axes_of_unit,
         )
     }
 }

@@ -2,9 +2,9 @@
 
 use std::collections::BTreeSet;
 
-use tempco_set::{Extent, TooFast};
+use tempco_set::{Extent, Stretch, TooFast};
 
-use crate::summary::ChannelData;
+use crate::summary::{Block, ChannelData};
 
 /// Means are counted in this length, whatever the blocks are \[s\].
 const MEAN_S: f64 = 10.0;
@@ -18,8 +18,8 @@ const PER_DEGREE: usize = 10;
 /// Degrees that rows of a slow log may pass between them.
 const MOST_PASSED_C: usize = 5;
 
-/// Temperature that is too fast once may be a bad reading.
-const LEAST_FAST: usize = 2;
+/// So many changes one after the other, all in one direction, are no bad readings.
+const LEAST_FAST: usize = 3;
 
 /// What the kept rows cover, with the fastest change that the core follows.
 pub(crate) fn of(data: &ChannelData, limit_c_per_min: f64) -> Extent {
@@ -48,7 +48,17 @@ pub(crate) fn of(data: &ChannelData, limit_c_per_min: f64) -> Extent {
         let (up_c, down_c) = travelled(means.iter().map(|(_, temp_c)| *temp_c));
         heated_c += up_c;
         cooled_c += down_c;
-        let found = fast(&means, 2.0 * channel.block_s, limit_c_per_min);
+        // The core does not accept them for long, so rows that are not kept count as well.
+        let exclude = &data.logs[log].plan.exclude;
+        let excluded = |block: &Block| {
+            let overlaps = |of: &Stretch| of.from_s <= block.to_s && of.to_s >= block.from_s;
+            exclude.iter().any(overlaps)
+        };
+        let all = channel.blocks.iter().filter(|block| !excluded(block));
+        let all: Vec<_> = all
+            .map(|block| (0.5 * (block.from_s + block.to_s), channel.mean_c(block)))
+            .collect();
+        let found = fast(&all, 2.0 * channel.block_s, limit_c_per_min);
         let faster = found.filter(|found| {
             let fastest = too_fast.as_ref().map_or(0.0, |of| of.rate_c_per_min);
             found.rate_c_per_min > fastest
@@ -104,18 +114,27 @@ fn travelled(mut temps_c: impl Iterator<Item = f64>) -> (f64, f64) {
     (up_c, down_c)
 }
 
-/// Neighbouring means between which the temperature changes faster than the limit.
+/// Stretches in which the temperature changes faster than the limit from mean to mean.
 fn fast(means: &[(f64, f64)], near_s: f64, limit_c_per_min: f64) -> Option<TooFast> {
-    let rates = means.windows(2).filter_map(|pair| {
+    let changes = means.windows(2).map(|pair| {
         let [(from_s, from_c), (to_s, to_c)] = [pair[0], pair[1]];
-        let rate = 60.0 * (to_c - from_c).abs() / (to_s - from_s);
-        (to_s - from_s <= near_s && rate > limit_c_per_min).then_some((from_s, to_s, rate))
+        let rate = 60.0 * (to_c - from_c) / (to_s - from_s);
+        let is_fast = to_s - from_s <= near_s && rate.abs() > limit_c_per_min;
+        (from_s, to_s, if is_fast { rate } else { 0.0 })
     });
-    let rates: Vec<(f64, f64, f64)> = rates.collect();
+    let changes: Vec<_> = changes.collect();
+    let rates: Vec<_> = changes
+        .chunk_by(|(.., a), (.., b)| a * b > 0.0)
+        .filter(|run| run.len() >= LEAST_FAST)
+        .flatten()
+        .collect();
     let (first, last) = (rates.first()?, rates.last()?);
-    (rates.len() >= LEAST_FAST).then(|| TooFast {
+    Some(TooFast {
         file: String::new(),
-        rate_c_per_min: rates.iter().map(|(.., rate)| *rate).fold(0.0, f64::max),
+        rate_c_per_min: rates
+            .iter()
+            .map(|(.., rate)| rate.abs())
+            .fold(0.0, f64::max),
         limit_c_per_min,
         share: rates.len() as f64 / means.len() as f64,
         from_s: first.0,
@@ -142,6 +161,10 @@ mod tests {
             (0..60).map(|i| (10.0 * i as f64, heated(i))).collect()
         };
         assert_eq!(fast(&means(29.0), 20.0, 30.0), None);
+        // A bad reading goes there and back.
+        let mut bad = means(0.0);
+        (bad[20].1, bad[21].1, bad[22].1) = (20.0, 40.0, 20.0);
+        assert_eq!(fast(&bad, 20.0, 30.0), None);
         let found = fast(&means(40.0), 20.0, 30.0).unwrap();
         assert_eq!((found.from_s, found.to_s), (200.0, 300.0));
         assert!(

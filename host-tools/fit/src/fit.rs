@@ -3,6 +3,7 @@
 use tempco::ThermalSettings;
 use tempco_evaluate::judge;
 use tempco_log::{Log, parallel};
+use tempco_set::run::thermal_period_s;
 use tempco_set::{
     ChannelSet, CoefficientSet, Input, Judgement, Model, Provenance, Segmentation, Settings,
     Warning, build,
@@ -80,6 +81,7 @@ pub fn fit_summaries(logs: &[LogSummary], options: &FitOptions) -> Result<Fit, F
     for data in &mut data {
         channels.push(fit_channel(data, options, &mut warnings)?);
     }
+    let periods_s = logs.iter().map(|log| thermal_period_s(log.interval_s));
     let mut set = build::set(
         options.serial.clone(),
         Provenance {
@@ -91,6 +93,7 @@ pub fn fit_summaries(logs: &[LogSummary], options: &FitOptions) -> Result<Fit, F
             model: options.method.model(),
             overlap: options.method.overlap(),
             scale_factor_arcsec: options.scale_factor_arcsec,
+            thermal_period_s: periods_s.fold(0.0, f64::max),
         },
         channels,
     );
@@ -105,11 +108,11 @@ fn fit_channel(
 ) -> Result<ChannelSet, FitError> {
     // What does not belong goes first, so that no later step sees it.
     check_rows(data)?;
-    let mut screening =
+    let mut outliers =
         outliers::leave_out(data, &options.thermal, options.robust).map_err(FitError::Settings)?;
     check_rows(data)?;
     let extent = extent::of(data, options.thermal.max_slew_c_per_min.into());
-    screening.extent = extent.is_thin().then_some(extent);
+    outliers.extent = extent.is_thin().then_some(extent);
     // Without a range of temperature there is nothing to fit.
     let (t_min_c, t_max_c) = data.range(|block| block.effective_range_c);
     let span_c = t_max_c - t_min_c;
@@ -175,7 +178,7 @@ fn fit_channel(
         }
     }
     let findings = Findings {
-        screening,
+        outliers,
         selection,
         held_out,
     };

@@ -4,7 +4,7 @@
 //! taken as constant: the spread of rows about the mean of their block is the same with and
 //! without compensation.
 
-use tempco::{HistoryState, Table, TableError};
+use tempco::{Table, TableError};
 use tempco_set::{AxisStatistics, CoefficientSet, Segment, TableData, TableUse, use_axis};
 
 use crate::least_squares::{Block, Blocks, RFactor, SamplePoints};
@@ -98,21 +98,15 @@ struct BlockBiases<'a> {
 impl TableUse for BlockBiases<'_> {
     type Output = Vec<f64>;
 
-    fn with<const CHANNELS: usize, const AXES: usize, const PLAYS: usize, const SLOW: usize>(
+    fn with<const CHANNELS: usize, const AXES: usize>(
         self,
-        tables: &[Table<AXES, PLAYS, SLOW>; CHANNELS],
+        tables: &[Table<AXES>; CHANNELS],
     ) -> Vec<f64> {
         let table = &tables[0];
         let points = SamplePoints::new(self.data, table.thermal());
         let of_log = |log: usize| {
-            let mut history = HistoryState::new(points.start_c(log));
-            let bias = points.of_log(log).iter().map(|sample| {
-                let effective_c = sample.point.effective_c;
-                let past = history.update(table.history(), &sample.interval, effective_c);
-                let (mut bias, _) = table.bias(&sample.point);
-                table.history().add(&past, &mut bias);
-                f64::from(bias[0])
-            });
+            let samples = points.of_log(log).iter();
+            let bias = samples.map(|sample| f64::from(table.bias(&sample.point).0[0]));
             bias.collect()
         };
         let biases: Vec<Vec<f64>> = (0..points.logs()).map(of_log).collect();

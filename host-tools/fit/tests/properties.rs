@@ -89,7 +89,7 @@ fn the_constant_of_a_log_is_not_taken_for_thermal() {
                 assert!((b.a[1] - a.a[1]).abs() < 2e-3 && (b.r[0] - a.r[0]).abs() < 2e-3);
             }
         }
-        let constants = &apart.channels[0].screening.as_ref().unwrap().constants;
+        let constants = &apart.channels[0].outliers.as_ref().unwrap().constants;
         assert!(
             (constants[1][0] - constants[0][0] - 0.2).abs() < 5e-3,
             "{constants:?}"
@@ -203,5 +203,5 @@ fn logs_of_one_soak_each_are_chosen_for_like_others() {
     let logs = [10.0, 14.0, 18.0, 22.0, 26.0].map(&mut drift);
     let set = fit(&logs, &options(Model::Spline)).unwrap().set;
     let selection = set.channels[0].selection.as_ref().unwrap();
-    assert_eq!((selection.legs, selection.folds), (5, 16));
+    assert_eq!((selection.soaks_and_ramps, selection.folds), (5, 16));
 }

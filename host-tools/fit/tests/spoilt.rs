@@ -7,7 +7,7 @@ use tempco_evaluate::judge;
 use tempco_fit::{FitOptions, fit};
 use tempco_log::{Axis, AxisUnit, Channel, Log};
 use tempco_set::run::apply;
-use tempco_set::{CoefficientSet, Judgement, Model, RejectionCode, Screening, WarningCode};
+use tempco_set::{CoefficientSet, Judgement, Model, Outliers, RejectionCode, WarningCode};
 use worlds::Random;
 
 /// Time between rows \[s\].
@@ -90,8 +90,8 @@ fn fitted(log: &Log) -> (CoefficientSet, Judgement) {
     (set, judgement)
 }
 
-fn screening(set: &CoefficientSet) -> &Screening {
-    set.channels[0].screening.as_ref().unwrap()
+fn outliers(set: &CoefficientSet) -> &Outliers {
+    set.channels[0].outliers.as_ref().unwrap()
 }
 
 /// Adds to an axis between two times.
@@ -121,7 +121,7 @@ fn error(set: &CoefficientSet, clean: &Log) -> f64 {
 
 /// Whether the times of a spoilt stretch are said of its axis, to a minute.
 fn is_said(set: &CoefficientSet, axis: &str, (from_s, to_s): (f64, f64)) -> bool {
-    let found = screening(set);
+    let found = outliers(set);
     let near = |a: f64, b: f64| (a - b).abs() <= 60.0;
     let places = found.spikes.iter().chain(&found.disturbances);
     let mut places = places.filter(|of| of.axis == axis);
@@ -184,7 +184,7 @@ fn a_turn_is_rejected_or_left_out_and_said() {
                     missed.push(format!(
                         "{rate} deg/s {from_s:.0} s for {length_s} s: said {said}, error {wrong:.4}, \
                          {:?}",
-                        screening(&set)
+                        outliers(&set)
                     ));
                 }
                 tried += 1;
@@ -217,7 +217,7 @@ fn a_hand_is_rejected_or_left_out_and_said() {
                 });
             }
             let (set, judgement) = fitted(&log);
-            let found = screening(&set);
+            let found = outliers(&set);
             let places = found.spikes.iter().chain(&found.disturbances);
             let mut ends = places.map(|of| (of.from_s, of.to_s));
             let said = ends.any(|(from, to)| from < from_s + length_s && to > from_s);
@@ -262,7 +262,7 @@ fn clean_runs_pass_without_a_word() {
                     }
                     log.interval_s = INTERVAL_S * every as f64;
                     let (set, judgement) = fitted(&log);
-                    let found = screening(&set);
+                    let found = outliers(&set);
                     let quiet = found.disturbances.is_empty()
                         && found.steps.is_empty()
                         && found.extent.is_none()
@@ -302,7 +302,7 @@ fn a_power_cycle_is_a_step_that_is_taken_out() {
                 axis.raw.extend(more.raw.iter().map(|raw| raw + size));
             }
             let (set, judgement) = fitted(&log);
-            let steps = &screening(&set).steps;
+            let steps = &outliers(&set).steps;
             let said = steps.iter().filter(|step| {
                 (step.size - size).abs() < 0.02 && (step.time_s - begins_s).abs() < 120.0 + gap_s
             });
@@ -331,7 +331,7 @@ fn a_turn_without_an_end_is_a_step() {
             let mut log = run(&RUN, 800 + number as u64);
             add(&mut log, axis, times_s, |_| rate);
             let (set, judgement) = fitted(&log);
-            let found = screening(&set);
+            let found = outliers(&set);
             let large = judgement.rejections.iter().map(|of| of.code);
             let large = large
                 .filter(|of| *of == RejectionCode::LargeBiasStep)
@@ -366,7 +366,7 @@ fn a_gap_is_no_step() {
                 axis.raw.drain(hole.clone());
             }
             let set = fitted(&log).0;
-            let found = screening(&set);
+            let found = outliers(&set);
             assert!(
                 found.steps.is_empty() && found.disturbances.is_empty(),
                 "{world:?} {found:?}"
@@ -384,7 +384,7 @@ fn a_unit_put_up_again_is_warned_of() {
         .iter_mut()
         .for_each(|raw| *raw += 15.0);
     let (set, judgement) = fitted(&log);
-    let steps = &screening(&set).steps;
+    let steps = &outliers(&set).steps;
     assert!(judgement.is_accepted() && steps.len() == 1, "{judgement:?}");
     assert!((steps[0].size - 15.0).abs() < 0.1 && steps[0].levelled && !steps[0].large);
     let lines = |set: &CoefficientSet| -> Vec<f64> {
@@ -455,7 +455,7 @@ fn steps_show_in_short_runs() {
         let mut log = run(&RUN, 700 + seed as u64);
         add(&mut log, axis, (at_s, 1e9), |_| size);
         let set = fitted(&log).0;
-        let steps = &screening(&set).steps;
+        let steps = &outliers(&set).steps;
         let near = |step: &tempco_set::BiasStep| (step.time_s - at_s).abs() < 60.0;
         let name = ["x", "y", "z"][axis];
         if !steps.iter().any(|step| step.axis == name && near(step)) {

@@ -5,7 +5,7 @@ use std::path::Path;
 use tempco_fit::{FitOptions, fit};
 use tempco_log::{Log, ReadOptions, read_log};
 use tempco_set::run::{KnownLog, apply, apply_to_file};
-use tempco_set::{CoefficientSet, Model, PlayData, SlowPartData};
+use tempco_set::{CoefficientSet, Model};
 
 /// Long enough for many chunks.
 const ROWS: u32 = 120_000;
@@ -116,15 +116,14 @@ fn channels_with_history_terms_are_the_same_in_a_file_and_in_memory() {
     let (known, log) = written(folder.path(), &text_of_channels());
     let mut set = fitted(&log, Model::Composite);
     for channel in &mut set.channels {
-        channel.table.plays = vec![PlayData {
-            half_width_c: 2.0,
-            gain: vec![0.01, -0.02],
-        }];
-        channel.table.slow_parts = vec![SlowPartData {
-            tau_s: 900.0,
-            limit_c: 10.0,
-            gain: vec![0.03, 0.01],
-        }];
+        let table = &mut channel.table;
+        table.thermal.half_width1_c = 2.0;
+        table.thermal.tau2_s = 900.0;
+        (table.thermal.lag2_min_c, table.thermal.lag2_max_c) = (-10.0, 10.0);
+        table.play_gains = vec![[0.01, 0.0], [-0.02, 0.0]];
+        for cell in &mut table.cells {
+            (cell[0].s[0], cell[1].s[0]) = (0.03, 0.01);
+        }
     }
     set.channels.swap(0, 1);
     assert_same(&set, &known, &log);

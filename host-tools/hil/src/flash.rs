@@ -130,8 +130,8 @@ fn check(image: &[u8], unit: &Identity) -> Result<Fitting, Error> {
     }
     let mut is_of_angles = false;
     for channel in 0..image.channels() {
-        for axis in image.channel(channel)?.units.into_iter().flatten() {
-            match axis {
+        for axis in image.channel(channel)?.axes.iter().flatten() {
+            match axis.unit {
                 AxisUnit::Dph | AxisUnit::Dps | AxisUnit::Radps => is_of_angles = true,
                 AxisUnit::PulsesPerS => {}
                 AxisUnit::Mps2 => return Err(Error::NotOfAGyro { unit: "m/s^2" }),

@@ -44,9 +44,9 @@ impl Comparison {
 ///
 /// # Errors
 /// As of [`Unit::ask`].
-pub fn by_row<const C: usize, const A: usize, const PLAYS: usize, const SLOW: usize>(
+pub fn by_row<const C: usize, const A: usize>(
     unit: &mut Unit,
-    tables: &[Table<'_, A, PLAYS, SLOW>; C],
+    tables: &[Table<'_, A>; C],
     samples: impl Iterator<Item = tempco_replay::Sample<C, A>>,
     mut done: impl FnMut(u64),
 ) -> Result<Comparison, Error> {
@@ -79,9 +79,9 @@ pub fn by_row<const C: usize, const A: usize, const PLAYS: usize, const SLOW: us
 ///
 /// # Errors
 /// As of [`Unit::ask`].
-pub fn by_block<const C: usize, const A: usize, const PLAYS: usize, const SLOW: usize>(
+pub fn by_block<const C: usize, const A: usize>(
     unit: &mut Unit,
-    tables: &[Table<'_, A, PLAYS, SLOW>; C],
+    tables: &[Table<'_, A>; C],
     schedule: &Schedule,
     real_time: bool,
     mut samples: impl Iterator<Item = tempco_replay::Sample<C, A>>,

@@ -216,10 +216,7 @@ fn samples(count: usize) -> impl Iterator<Item = Sample<1, 3>> {
 fn replays(unit: &mut Unit, image: &[u8], count: usize) -> [replay::Comparison; 2] {
     let mut place = Box::new(AlignedBytes([0; 65_536]));
     place.0[..image.len()].copy_from_slice(image);
-    let tables = Image::read(&place.0)
-        .unwrap()
-        .tables::<1, 3, 2, 1>()
-        .unwrap();
+    let tables = Image::read(&place.0).unwrap().tables::<1, 3>().unwrap();
     let mut told = 0;
     let rows = replay::by_row(unit, &tables, samples(count), |done| told = done).unwrap();
     assert_eq!(told, count as u64);

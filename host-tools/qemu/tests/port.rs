@@ -10,7 +10,7 @@ use std::{env, fs};
 use support::{WORKSPACE, example, example_image};
 use tempco_hil::replay::{by_block, by_row};
 use tempco_hil::{Patience, Unit, flash_set, open};
-use tempco_image::{AlignedBytes, Image, MAX_PLAYS, MAX_SLOW_PARTS};
+use tempco_image::{AlignedBytes, Image};
 use tempco_link::{Fault, FaultSet};
 use tempco_qemu::{Board, Machine, MachineOptions, MachineTime, Variant, build_variant};
 use tempco_replay::Sample;
@@ -51,7 +51,7 @@ fn the_smallest_board_runs_the_application() {
     let bytes = example_image();
     place.0[..bytes.len()].copy_from_slice(&bytes);
     let table = Image::read(&place.0).unwrap();
-    let tables = &table.tables::<1, 3, MAX_PLAYS, MAX_SLOW_PARTS>().unwrap();
+    let tables = &table.tables::<1, 3>().unwrap();
     let identity = flash_set(&mut unit, table.bytes(), Some(1.0), |_| {}).unwrap();
     assert_eq!(identity.table_crc, example::CRC);
     let samples = |count: u16| {

@@ -17,7 +17,7 @@ pub fn states(of: &Candidate) -> String {
         .half_widths_c
         .iter()
         .map(|&width| format!("{} degC", figure(width)));
-    let slow = of.slow_tau_s.map(|tau_s| format!("{tau_s:.0} s"));
+    let slow = of.tau2_s.map(|tau2_s| format!("{tau2_s:.0} s"));
     let all: Vec<String> = plays.chain(slow).collect();
     if all.is_empty() {
         "-".to_owned()

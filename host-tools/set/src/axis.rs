@@ -5,7 +5,7 @@ use tempco::Terms;
 use tempco_log::AxisUnit;
 
 use crate::HeldOutErrors;
-use crate::model::{Polynomial, join, split};
+use crate::model::{COMPOSITE, Polynomial, join, split};
 
 /// One axis as fitted.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -25,7 +25,7 @@ pub struct AxisSet {
     /// Standard deviations of the coefficients of each polynomial; empty in an imported set.
     #[serde(default)]
     pub sigmas: Vec<CoefficientSigmas>,
-    /// Gains of the history terms, plays before second lags, as in the table.
+    /// Gains of the plays, as in the table; none where it has no plays.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub gains: Vec<GainSet>,
     /// What remains after a spline model, as noise; none of other models, whose residuals are not
@@ -39,14 +39,14 @@ pub struct AxisSet {
     pub statistics: Option<AxisStatistics>,
 }
 
-/// The gain of a history term.
+/// The gain of a play.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GainSet {
     /// \[unit of the axis per degC\]
     pub gain: f64,
     /// Standard deviation (1 sigma) under the [`noise`](AxisSet::noise) of the axis, for the half
-    /// width or time constant that was found; 0 where the axis does without the term.
+    /// width that was found; 0 where the axis does without the play.
     pub sigma: f64,
 }
 
@@ -73,9 +73,12 @@ pub struct CoefficientSigmas {
     pub a: [f64; Terms::STATIC],
     /// Of the rate coefficients, lowest power first \[unit of the axis per degC/min\].
     pub r: [f64; Terms::RATE],
-    /// Correlations in the order of [`Terms::NAMES`], row by row; 0 with a term that was not fitted.
+    /// Of the coefficients of the second lag, lowest power first \[unit of the axis per degC\].
+    pub s: [f64; Terms::LAG],
+    /// Correlations of `a` and `r` in the order of [`Terms::NAMES`], row by row; 0 with a term that
+    /// was not fitted.
     #[serde(default)]
-    pub correlation: [[f64; Terms::COUNT]; Terms::COUNT],
+    pub correlation: [[f64; COMPOSITE]; COMPOSITE],
 }
 
 impl CoefficientSigmas {
@@ -89,13 +92,14 @@ impl CoefficientSigmas {
         Self {
             a,
             r,
+            s: [0.0; Terms::LAG],
             correlation: std::array::from_fn(|i| std::array::from_fn(|j| correlation(i, j))),
         }
     }
 
-    /// From the covariance of all coefficients.
-    pub fn from_covariance(covariance: [[f64; Terms::COUNT]; Terms::COUNT]) -> Self {
-        let sigmas: [f64; Terms::COUNT] = std::array::from_fn(|i| covariance[i][i].max(0.0).sqrt());
+    /// From the covariance of `a` and `r`.
+    pub fn from_covariance(covariance: [[f64; COMPOSITE]; COMPOSITE]) -> Self {
+        let sigmas: [f64; COMPOSITE] = std::array::from_fn(|i| covariance[i][i].max(0.0).sqrt());
         let correlation = |i: usize, j: usize| match sigmas[i] * sigmas[j] {
             0.0 => 0.0,
             product => covariance[i][j] / product,
@@ -104,18 +108,19 @@ impl CoefficientSigmas {
         Self {
             a,
             r,
+            s: [0.0; Terms::LAG],
             correlation: std::array::from_fn(|i| std::array::from_fn(|j| correlation(i, j))),
         }
     }
 
-    /// The standard deviations in the order of [`Terms::NAMES`].
-    pub fn to_array(&self) -> [f64; Terms::COUNT] {
+    /// The standard deviations of `a` and `r` in the order of [`Terms::NAMES`].
+    pub fn to_array(&self) -> [f64; COMPOSITE] {
         join(&self.a, &self.r)
     }
 
     /// Multiplies all of them.
     pub fn scale(&mut self, factor: f64) {
-        for sigma in self.a.iter_mut().chain(&mut self.r) {
+        for sigma in self.a.iter_mut().chain(&mut self.r).chain(&mut self.s) {
             *sigma *= factor;
         }
     }

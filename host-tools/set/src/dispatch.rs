@@ -1,10 +1,8 @@
-//! From numbers that a file gives to numbers that the compiler knows: channels, axes and history
-//! terms.
+//! From numbers that a file gives to numbers that the compiler knows: channels and axes.
 
 use tempco::{Table, TableError};
 
 use crate::TableData;
-use crate::history::MOST;
 
 /// Something to do for so many channels and so many axes of each.
 pub trait ShapeUse {
@@ -37,20 +35,19 @@ pub trait TableUse {
     type Output;
 
     /// Does it.
-    fn with<const CHANNELS: usize, const AXES: usize, const PLAYS: usize, const SLOW: usize>(
+    fn with<const CHANNELS: usize, const AXES: usize>(
         self,
-        tables: &[Table<AXES, PLAYS, SLOW>; CHANNELS],
+        tables: &[Table<AXES>; CHANNELS],
     ) -> Self::Output;
 }
 
-/// Makes the core's tables of all axes, with their history terms, and uses them.
+/// Makes the core's tables of all axes, and uses them.
 ///
 /// # Errors
 /// What the core refuses.
 ///
 /// # Panics
-/// If there are more than six axes or none, or a table has not as many axes or history terms as the
-/// others, or more history terms than a set may have.
+/// If there are more than six axes or none, or a table has not as many axes as the others.
 pub fn use_tables<U: TableUse>(data: &[&TableData], task: U) -> Result<U::Output, TableError> {
     let axes = data.first().map_or(0, |first| first.axes());
     use_shape(data.len(), axes, OfAllAxes { data, task })
@@ -87,29 +84,9 @@ fn use_axes<const CHANNELS: usize, const AXES: usize, U: TableUse>(
     task: U,
 ) -> Result<U::Output, TableError> {
     let cells = data.map(|data| data.terms::<AXES>(first_axis));
-    let mut tables = Vec::with_capacity(CHANNELS);
-    for (data, cells) in data.iter().zip(&cells) {
-        tables.push(data.table_over(cells)?);
-    }
-    macro_rules! counts {
-        ($($plays:literal $slow_parts:literal),+) => {
-            match (data[0].plays.len(), data[0].slow_parts.len()) {
-                $(($plays, $slow_parts) => {
-                    let with_history = data.iter().zip(tables).map(|(data, table)| {
-                        let play = |i: usize| data.plays[i].play(first_axis);
-                        let part = |i: usize| data.slow_parts[i].slow_part(first_axis);
-                        table.with_history::<$plays, $slow_parts>(
-                            std::array::from_fn(play),
-                            std::array::from_fn(part),
-                        )
-                    });
-                    let tables: Vec<_> = with_history.collect::<Result<_, _>>()?;
-                    let tables = tables[..].try_into().expect("one for each channel");
-                    Ok(task.with::<CHANNELS, AXES, $plays, $slow_parts>(tables))
-                })+
-                _ => unreachable!("a set has {MOST:?} history terms at most"),
-            }
-        };
-    }
-    counts!(0 0, 1 0, 2 0, 0 1, 1 1, 2 1)
+    let tables = data.iter().zip(&cells);
+    let tables = tables.map(|(data, cells)| data.table_over(first_axis, cells));
+    let tables: Vec<_> = tables.collect::<Result<_, _>>()?;
+    let tables = tables[..].try_into().expect("one for each channel");
+    Ok(task.with::<CHANNELS, AXES>(tables))
 }

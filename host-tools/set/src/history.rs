@@ -1,73 +1,45 @@
-//! History terms of a table as data.
+//! The terms of the thermal history of a channel, with their gains.
 
-use serde::{Deserialize, Serialize};
-use tempco::{Play, SlowPart};
+use crate::{AxisSet, ChannelSet, GainSet};
 
-/// The most plays and second lags of a table.
-pub(super) const MOST: (usize, usize) = (2, 1);
-
-/// A term of the history, all but its gains.
+/// A term of the history, all but its gain.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Term {
-    /// A hysteresis term.
+pub enum HistoryTerm {
+    /// A play (backlash).
     Play {
-        /// Half width of the slot \[degC\].
-        half_width_c: f64,
+        /// Half width \[degC\].
+        half_width_c: f32,
     },
-    /// A second lag.
-    SlowPart {
+    /// The second lag, which has one gain over the whole range.
+    SecondLag {
         /// Time constant \[s\].
-        tau_s: f64,
+        tau2_s: f32,
+        /// The largest lag that was calibrated \[degC\].
+        limit_c: f32,
     },
 }
 
-/// A hysteresis term of the core ([`tempco::Play`]).
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct PlayData {
-    /// Half width of the slot \[degC\].
-    pub half_width_c: f32,
-    /// By axis \[unit of the axis per degC\].
-    pub gain: Vec<f32>,
-}
-
-/// A second lag of the core ([`tempco::SlowPart`]).
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct SlowPartData {
-    /// Time constant \[s\].
-    pub tau_s: f32,
-    /// The largest lag that was calibrated \[degC\].
-    pub limit_c: f32,
-    /// By axis \[unit of the axis per degC\].
-    pub gain: Vec<f32>,
-}
-
-impl PlayData {
-    pub(super) fn numbers(&self) -> impl Iterator<Item = f32> {
-        std::iter::once(self.half_width_c).chain(self.gain.iter().copied())
-    }
-
-    pub(super) fn play<const AXES: usize>(&self, first_axis: usize) -> Play<AXES> {
-        Play {
-            half_width_c: self.half_width_c,
-            gain: std::array::from_fn(|axis| self.gain[first_axis + axis]),
-        }
-    }
-}
-
-impl SlowPartData {
-    pub(super) fn numbers(&self) -> impl Iterator<Item = f32> {
-        [self.tau_s, self.limit_c]
-            .into_iter()
-            .chain(self.gain.iter().copied())
-    }
-
-    pub(super) fn slow_part<const AXES: usize>(&self, first_axis: usize) -> SlowPart<AXES> {
-        SlowPart {
-            tau_s: self.tau_s,
-            limit_c: self.limit_c,
-            gain: std::array::from_fn(|axis| self.gain[first_axis + axis]),
-        }
+impl ChannelSet {
+    /// The history terms of an axis of the channel that are in use, plays first.
+    pub fn history<'a>(
+        &'a self,
+        axis: &'a AxisSet,
+    ) -> impl Iterator<Item = (HistoryTerm, GainSet)> + 'a {
+        let widths = self.table.half_widths_c().into_iter();
+        let plays = widths.zip(&axis.gains).map(|(half_width_c, gain)| {
+            let play = HistoryTerm::Play { half_width_c };
+            (play, *gain)
+        });
+        let plays = plays.filter(|(play, _)| *play != HistoryTerm::Play { half_width_c: 0.0 });
+        let thermal = &self.table.thermal;
+        let lag = HistoryTerm::SecondLag {
+            tau2_s: thermal.tau2_s,
+            limit_c: thermal.lag2_max_c.max(-thermal.lag2_min_c),
+        };
+        let gain = GainSet {
+            gain: axis.polynomials.first().map_or(0.0, |of| of.s[0]),
+            sigma: axis.sigmas.first().map_or(0.0, |of| of.s[0]),
+        };
+        plays.chain(self.table.has_second_lag().then_some((lag, gain)))
     }
 }

@@ -81,6 +81,7 @@ pub(crate) fn static_coefficients(path: &Path, text: &str) -> Result<Coefficient
         condition: 0.0,
         coverage: None,
     });
+    let axes_of_unit = gyros.len();
     let channel = build::channel(
         Fitted {
             temperature: "temp_c".to_owned(),
@@ -99,8 +100,7 @@ pub(crate) fn static_coefficients(path: &Path, text: &str) -> Result<Coefficient
                     statistics: None,
                 })
                 .collect(),
-            history: Vec::new(),
-            screening: None,
+            outliers: None,
             selection: None,
         },
         &segmentation,
@@ -112,6 +112,7 @@ pub(crate) fn static_coefficients(path: &Path, text: &str) -> Result<Coefficient
             ..ThermalSettings::DEFAULT
         },
         (t_min_c as f32, t_max_c as f32),
+        axes_of_unit,
     );
     // The file is the only input; its hash says which one it was.
     let input = Input {
@@ -142,6 +143,7 @@ pub(crate) fn static_coefficients(path: &Path, text: &str) -> Result<Coefficient
             model: Model::Static,
             overlap: Overlap::Linear,
             scale_factor_arcsec: None,
+            thermal_period_s: 0.0,
         },
         vec![channel],
     );

@@ -5,14 +5,14 @@
 //!
 //! | modules | what they do |
 //! | --- | --- |
-//! | `set`, `axis`, `table`, `history`, `provenance`, `screening`, `extent`, `selection`, `model_kind` | the records that `coefficients.json` holds |
+//! | `set`, `axis`, `table`, `history`, `provenance`, `outliers`, `extent`, `selection`, `model_kind` | the records that `coefficients.json` holds |
 //! | `judgement` | the verdict on a set, with rejections and warnings |
 //! | `segment`, `model` | segments of temperature and the polynomials in them |
 //! | `tabulate`, [`build`] | fitted polynomials to a table and a set |
 //! | `check`, `rounding` | whether a set that was read holds together; bounds on the table's rounding |
 //! | `emit` | `table.rs`, `table.h`, `table.bin`, and a set from a flash image |
-//! | `load`, `import`, `folder` | sets from files, printed coefficients, the folder of a set |
-//! | `dispatch` | numbers of channels, axes and history terms, from a file to the compiler |
+//! | `load`, `version1`, `import`, `folder` | sets from files, also of version 0.1; printed coefficients; the folder of a set |
+//! | `dispatch` | numbers of channels and axes, from a file to the compiler |
 //! | [`run`] | the core over a log: in memory, or as a stream |
 //! | [`escape`], [`files`] | texts from elsewhere; files that belong together |
 #![forbid(unsafe_code)]
@@ -32,15 +32,16 @@ mod judgement;
 mod load;
 mod model;
 mod model_kind;
+mod outliers;
 mod provenance;
 mod rounding;
 pub mod run;
-mod screening;
 mod segment;
 mod selection;
 mod set;
 mod table;
 mod tabulate;
+mod version1;
 
 pub use axis::{AxisSet, AxisStatistics, CoefficientSigmas, GainSet, NoiseSet};
 pub use check::SCALE_FACTORS_ARCSEC;
@@ -48,14 +49,14 @@ pub use dispatch::{ShapeUse, TableUse, use_axis, use_shape, use_tables};
 pub use emit::{set_of_image, table_bin, table_h, table_rs};
 pub use extent::{Extent, TooFast};
 pub use folder::{MARK, REPORT, TABLE_BIN, WriteError, file_names, strangers, write_set};
-pub use history::{PlayData, SlowPartData, Term};
+pub use history::HistoryTerm;
 pub use judgement::{Judgement, Rejection, RejectionCode, Verdict, Warning, WarningCode};
 pub use load::{SetError, check_folder, load_set, read_set};
-pub use model::{AxisModel, LOCAL_TERMS, Mismatch, Polynomial, TERMS};
+pub use model::{AxisModel, COMPOSITE, LOCAL_TERMS, Mismatch, Polynomial, TERMS};
 pub use model_kind::Model;
+pub use outliers::{BiasStep, Disturbance, Outliers, Stretch};
 pub use provenance::{Input, Provenance, SignOff};
 pub use rounding::RoundingBound;
-pub use screening::{BiasStep, Disturbance, Screening, Stretch};
 pub use segment::{Overlap, Piece, Segment, SegmentError, Segmentation};
 pub use selection::{Candidate, HeldOutErrors, Place, Selection};
 pub use set::{

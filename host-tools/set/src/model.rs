@@ -7,12 +7,15 @@ use tempco::Terms;
 
 use crate::segment::{Overlap, Piece, Segment, Segmentation};
 
-/// The regressors of a polynomial, in the order of [`Terms::NAMES`], in which a fit drops them from
-/// the end.
-pub const TERMS: [&str; Terms::COUNT] = ["1", "T", "T^2", "T'", "T T'"];
+/// The number of terms of the composite model: static terms and rate terms.
+pub const COMPOSITE: usize = Terms::STATIC + Terms::RATE;
+
+/// The regressors of the composite model, in the order of [`Terms::NAMES`], in which a fit drops
+/// them from the end.
+pub const TERMS: [&str; COMPOSITE] = ["1", "T", "T^2", "T'", "T T'"];
 
 /// The same in the basis of a segment.
-pub const LOCAL_TERMS: [&str; Terms::COUNT] = ["1", "z", "z^2", "T'", "z T'"];
+pub const LOCAL_TERMS: [&str; COMPOSITE] = ["1", "z", "z^2", "T'", "z T'"];
 
 /// The static and the rate coefficients of a list; 0 where it ends.
 pub(crate) fn split(list: &[f64]) -> ([f64; Terms::STATIC], [f64; Terms::RATE]) {
@@ -22,7 +25,7 @@ pub(crate) fn split(list: &[f64]) -> ([f64; Terms::STATIC], [f64; Terms::RATE]) 
 }
 
 /// The inverse of [`split`].
-pub(crate) fn join(a: &[f64; Terms::STATIC], r: &[f64; Terms::RATE]) -> [f64; Terms::COUNT] {
+pub(crate) fn join(a: &[f64; Terms::STATIC], r: &[f64; Terms::RATE]) -> [f64; COMPOSITE] {
     std::array::from_fn(|term| match term.checked_sub(Terms::STATIC) {
         None => a[term],
         Some(term) => r[term],
@@ -41,7 +44,8 @@ where
 /// The polynomial of one segment, in the centred and scaled basis `z = (T - centre) / half_width`.
 ///
 /// ```text
-/// B(T, T') = a0 + a1 z + a2 z^2 + T' (r0 + r1 z)        T' in degC/min
+/// B(T, T', d2) = a0 + a1 z + a2 z^2 + T' (r0 + r1 z) + d2 (s0 + s1 z)
+///                                                  T' in degC/min, d2 in degC
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Polynomial {
@@ -53,6 +57,8 @@ pub struct Polynomial {
     pub a: [f64; Terms::STATIC],
     /// Rate coefficients, lowest power first \[unit of the axis per degC/min\].
     pub r: [f64; Terms::RATE],
+    /// Coefficients of the second lag, lowest power first \[unit of the axis per degC\].
+    pub s: [f64; Terms::LAG],
 }
 
 impl Polynomial {
@@ -64,11 +70,12 @@ impl Polynomial {
             half_width_c: segment.half_width_c(),
             a,
             r,
+            s: [0.0; Terms::LAG],
         }
     }
 
     /// The coefficients in the order of [`TERMS`].
-    pub fn coefficients(&self) -> [f64; Terms::COUNT] {
+    pub fn coefficients(&self) -> [f64; COMPOSITE] {
         join(&self.a, &self.r)
     }
 
@@ -80,7 +87,7 @@ impl Polynomial {
     }
 
     /// Coefficients of `1, T, T^2, T', T T'` in degC and degC/min, for reports.
-    pub fn raw(&self) -> [f64; Terms::COUNT] {
+    pub fn raw(&self) -> [f64; COMPOSITE] {
         let (c, h) = (self.centre_c, self.half_width_c);
         let [a0, a1, a2] = self.a;
         let [r0, r1] = self.r;
@@ -107,6 +114,12 @@ impl Polynomial {
     pub fn rate_bias(&self, temp_c: f64) -> f64 {
         horner(&self.r, self.z(temp_c))
     }
+
+    /// Bias at zero rate, bias per rate, bias per second lag.
+    fn parts(&self, temp_c: f64) -> [f64; 3] {
+        let z = self.z(temp_c);
+        [&self.a[..], &self.r, &self.s].map(|part| horner(part, z))
+    }
 }
 
 /// The model of one axis over all segments.
@@ -125,22 +138,18 @@ impl AxisModel<'_> {
         let last = pieces.len() - 1;
         let mut below = pieces[..last].iter();
         let piece = below.find(|piece| temp_c < piece.to_c);
-        self.at(piece.unwrap_or(&pieces[last]), temp_c).0
+        self.at(piece.unwrap_or(&pieces[last]), temp_c)[0]
     }
 
-    /// Static bias and bias per rate at a temperature of `piece`.
-    pub fn at(&self, piece: &Piece, temp_c: f64) -> (f64, f64) {
-        let cold = &self.polynomials[piece.segment];
-        let (static_bias, rate_bias) = (cold.static_bias(temp_c), cold.rate_bias(temp_c));
+    /// Static bias, bias per rate and bias per second lag at a temperature of `piece`.
+    pub fn at(&self, piece: &Piece, temp_c: f64) -> [f64; 3] {
+        let cold = self.polynomials[piece.segment].parts(temp_c);
         if !piece.blended {
-            return (static_bias, rate_bias);
+            return cold;
         }
-        let hot = &self.polynomials[piece.segment + 1];
+        let hot = self.polynomials[piece.segment + 1].parts(temp_c);
         let weight = piece.weight(self.overlap, temp_c);
-        (
-            static_bias + weight * (hot.static_bias(temp_c) - static_bias),
-            rate_bias + weight * (hot.rate_bias(temp_c) - rate_bias),
-        )
+        std::array::from_fn(|part| cold[part] + weight * (hot[part] - cold[part]))
     }
 }
 

@@ -3,6 +3,8 @@
 use serde::{Deserialize, Serialize};
 use tempco::Terms;
 
+use crate::model::COMPOSITE;
+
 /// Form of the model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -33,7 +35,7 @@ impl Model {
     pub const fn terms(self) -> usize {
         match self {
             Self::Static => Terms::STATIC,
-            Self::Composite | Self::Spline | Self::Auto => Terms::COUNT,
+            Self::Composite | Self::Spline | Self::Auto => COMPOSITE,
         }
     }
 }

@@ -21,9 +21,9 @@ pub struct RoundingBound {
     pub evaluation: f64,
     /// Error of the place within the cell \[cells\].
     pub place: f64,
-    /// Error of the bias for the lag-compensated temperature and the values of the history terms: the
-    /// polynomial's, the place's times the steepest slope, and a product and a sum for each
-    /// term \[unit of the axis\].
+    /// Error of the bias for the lag-compensated temperature and the values of rate, second lag and
+    /// plays: the polynomial's, the place's times the steepest slope, and a product and a sum for
+    /// each play \[unit of the axis\].
     pub total: f64,
     /// How far from an edge between cells the neighbour may be evaluated instead \[degC\].
     pub edge_c: f64,
@@ -31,14 +31,15 @@ pub struct RoundingBound {
 
 impl TableData {
     /// The largest difference between the bias of an axis as the core computes it and the exact
-    /// value of the same coefficients at the same lag-compensated temperature and rate, for every f32
-    /// temperature and every calibrated rate, in the cell that the core chose.
+    /// value of the same coefficients at the same lag-compensated temperature, rate and second lag,
+    /// for every f32 temperature and every calibrated rate and lag, in the cell that the core chose.
     ///
     /// # Panics
     /// If the table has no such axis.
     pub fn rounding_bound(&self, axis: usize) -> RoundingBound {
         let thermal = &self.thermal;
         let rate = f64::from(thermal.rate_max_c_per_min.max(-thermal.rate_min_c_per_min));
+        let lag = f64::from(thermal.lag2_max_c.max(-thermal.lag2_min_c));
         let place = self.place_error();
         let mut bound = RoundingBound {
             place,
@@ -47,33 +48,36 @@ impl TableData {
         };
         for cell in &self.cells {
             let terms = cell[axis];
-            let (a, r) = (terms.a.map(f64::from), terms.r.map(f64::from));
-            let evaluation = evaluation_error(&a, &r, rate);
-            let slope = slope(&a, &r, rate, place);
+            let a = terms.a.map(f64::from);
+            let by = [
+                (terms.r.map(f64::from), rate),
+                (terms.s.map(f64::from), lag),
+            ];
+            let evaluation = evaluation_error(&a, &by);
+            let slope = slope(&a, &by, place);
             bound.evaluation = bound.evaluation.max(evaluation);
             let polynomial = Rounded {
-                most: most(&a) + rate * most(&r),
+                most: by
+                    .iter()
+                    .fold(most(&a), |sum, (part, factor)| sum + factor * most(part)),
                 error: (evaluation + slope * place) * SLACK,
             };
-            let with_history = self
-                .history_most(axis)
+            let with_plays = self
+                .plays_most(axis)
                 .fold(polynomial, Rounded::plus_product);
-            bound.total = bound.total.max(with_history.error * SLACK);
+            bound.total = bound.total.max(with_plays.error * SLACK);
         }
         bound
     }
 
-    /// For each history term, the largest products of gain and value: a play is within its slot, a
-    /// lag within its limit.
-    fn history_most(&self, axis: usize) -> impl Iterator<Item = f64> {
-        let product =
-            move |most_c: f32, gain: &[f32]| f64::from(most_c) * f64::from(gain[axis]).abs();
-        let plays = self.plays.iter();
-        let slow_parts = self.slow_parts.iter();
-        plays
-            // The contact is rounded to its place at the edge of the slot.
-            .map(move |play| product(play.half_width_c, &play.gain) * (1.0 + 1e-3))
-            .chain(slow_parts.map(move |part| product(part.limit_c, &part.gain)))
+    /// For each play that is used, the largest product of gain and value, which is within its slot.
+    fn plays_most(&self, axis: usize) -> impl Iterator<Item = f64> {
+        let plays = self.half_widths_c().into_iter().zip(self.play_gains[axis]);
+        let used = plays.filter(|(half_width_c, _)| *half_width_c > 0.0);
+        // The contact is rounded to its place at the edge of the slot.
+        used.map(|(half_width_c, gain)| {
+            f64::from(half_width_c) * f64::from(gain).abs() * (1.0 + 1e-3)
+        })
     }
 
     /// Width of a cell \[degC\].
@@ -142,11 +146,18 @@ impl Rounded {
     }
 }
 
-/// Error of the polynomial `a` plus the rate times the polynomial `r`, each by Horner's rule in f32,
-/// for z from 0 to 1.
-fn evaluation_error(a: &[f64], r: &[f64], rate: f64) -> f64 {
-    let (fixed, by_rate) = (horner_error(a), horner_error(r).times(rate));
-    Rounded::new(fixed.most + by_rate.most, fixed.error + by_rate.error).error * SLACK
+/// Error of the polynomial `a` plus other polynomials, each times a number up to a limit, all by
+/// Horner's rule in f32, for z from 0 to 1.
+fn evaluation_error(a: &[f64], by: &[([f64; 2], f64)]) -> f64 {
+    let sum = by.iter().fold(horner_error(a), |sum, (part, factor)| {
+        let product = horner_error(part).times(*factor);
+        // The sum with 0 is exact.
+        if product.most == 0.0 {
+            return sum;
+        }
+        Rounded::new(sum.most + product.most, sum.error + product.error)
+    });
+    sum.error * SLACK
 }
 
 /// A polynomial by Horner's rule for z from 0 to 1.
@@ -190,25 +201,26 @@ fn derivative(coefficients: &[f64]) -> Vec<f64> {
 }
 
 /// Steepest slope per cell, also a little beyond its edges.
-fn slope(a: &[f64], r: &[f64], rate: f64, beyond: f64) -> f64 {
-    let [a, r] = [a, r].map(|part| most_around(&derivative(part), beyond));
-    a + rate * r
+fn slope(a: &[f64], by: &[([f64; 2], f64)], beyond: f64) -> f64 {
+    let of = |part: &[f64]| most_around(&derivative(part), beyond);
+    by.iter()
+        .fold(of(a), |sum, (part, factor)| sum + factor * of(part))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::model::horner;
-    use crate::{PlayData, SlowPartData, TableUse, use_axis};
+    use crate::{TableUse, use_axis};
     use proptest::prelude::*;
-    use tempco::{
-        Compensator, HistoryState, Interval, Table, Terms, ThermalPoint, ThermalSettings,
-    };
+    use tempco::{Compensator, Interval, PLAYS, Table, Terms, ThermalPoint, ThermalSettings};
 
-    fn table(terms: Terms, edges: (f32, f32), count: usize, rate: f32) -> TableData {
+    fn table(terms: Terms, edges: (f32, f32), count: usize, (rate, lag): (f32, f32)) -> TableData {
         let settings = ThermalSettings {
             rate_min_c_per_min: -rate,
             rate_max_c_per_min: rate,
+            lag2_min_c: -lag,
+            lag2_max_c: lag,
             ..ThermalSettings::DEFAULT
         };
         TableData {
@@ -218,14 +230,15 @@ mod tests {
             t_min_c: edges.0,
             t_max_c: edges.1,
             cells: vec![vec![terms]; count],
-            plays: Vec::new(),
-            slow_parts: Vec::new(),
+            play_gains: vec![[0.0; PLAYS]],
         }
     }
 
     /// The bias in exact arithmetic.
-    fn bias(terms: &Terms, z: f64, rate: f64) -> f64 {
-        horner(&terms.a.map(f64::from), z) + rate * horner(&terms.r.map(f64::from), z)
+    fn bias(terms: &Terms, z: f64, rate: f64, lag: f64) -> f64 {
+        let fixed = horner(&terms.a.map(f64::from), z);
+        let by_rate = rate * horner(&terms.r.map(f64::from), z);
+        fixed + by_rate + lag * horner(&terms.s.map(f64::from), z)
     }
 
     proptest! {
@@ -240,49 +253,43 @@ mod tests {
             count in 1_usize..=1024,
             at in 0.0_f32..=1.0,
             rate in 0.0_f32..30.0,
+            lag in prop_oneof![Just(0.0_f32), 0.0_f32..30.0],
             share in -1.0_f32..=1.0,
         ) {
             let terms = std::array::from_fn(|i| terms[i] * 2.0_f32.powi(exponents[i]));
-            let table = table(Terms::from_array(terms), (first, first + span), count, rate);
+            let table = table(Terms::from_array(terms), (first, first + span), count, (rate, lag));
             let bound = table.rounding_bound(0);
             let cells = table.terms::<1>(0);
-            let core = table.table_over(&cells).unwrap();
+            let core = table.table_over(0, &cells).unwrap();
             let effective_c = (first + span * at).min(table.t_max_c);
-            let rate = rate * share;
+            let (rate, lag) = (rate * share, lag * share);
             let place = core.place(effective_c);
             let z = f64::from(place.z);
-            let polynomial = |z: f64| bias(&table.cells[0][0], z, rate.into());
-            let bias = f64::from(core.cells()[place.cell][0].bias(place.z, rate));
+            let polynomial = |z: f64| bias(&table.cells[0][0], z, rate.into(), lag.into());
+            let bias = f64::from(core.cells()[place.cell][0].bias(place.z, rate, lag));
             prop_assert!((bias - polynomial(z)).abs() <= bound.evaluation);
             let exact = (f64::from(effective_c) - f64::from(first)) / table.cell_width_c()
                 - place.cell as f64;
             prop_assert!((z - exact).abs() <= bound.place);
             prop_assert!((bias - polynomial(exact)).abs() <= bound.total);
-            let point = ThermalPoint { effective_c, rate_c_per_min: rate, ..Default::default() };
+            let point = ThermalPoint {
+                effective_c,
+                rate_c_per_min: rate,
+                lag2_c: lag,
+                ..ThermalPoint::default()
+            };
             prop_assert_eq!(f64::from(core.bias(&point).0[0]), bias);
         }
     }
 
-    /// The bias of a compensator with states is within the bound of what its point and its states
-    /// make in exact arithmetic.
+    /// The bias of a compensator is within the bound of what its point makes in exact arithmetic.
     #[test]
     fn history_terms_add_a_product_and_a_sum_each() {
-        let mut data = table(
-            Terms::new([3.0, 0.1, -0.02], [0.5, 0.01]),
-            (-20.0, 80.0),
-            20,
-            5.0,
-        );
+        let terms = [3.0, 0.1, -0.02, 0.5, 0.01, -0.3, 0.0];
+        let mut data = table(Terms::from_array(terms), (-20.0, 80.0), 20, (5.0, 0.0));
         let without = data.rounding_bound(0).total;
-        data.plays = vec![PlayData {
-            half_width_c: 3.0,
-            gain: vec![0.7],
-        }];
-        data.slow_parts = vec![SlowPartData {
-            tau_s: 600.0,
-            limit_c: 20.0,
-            gain: vec![-0.3],
-        }];
+        (data.thermal.lag2_min_c, data.thermal.lag2_max_c) = (-20.0, 20.0);
+        (data.thermal.half_width1_c, data.play_gains[0][0]) = (3.0, 0.7);
         let bound = data.rounding_bound(0).total;
         assert!(bound > without + (3.0 * 0.7 + 20.0 * 0.3) * UNIT);
         let worst = use_axis(&data, 0, Measure(&data)).unwrap();
@@ -294,29 +301,24 @@ mod tests {
     impl TableUse for Measure<'_> {
         type Output = f64;
 
-        fn with<const CHANNELS: usize, const AXES: usize, const PLAYS: usize, const SLOW: usize>(
+        fn with<const CHANNELS: usize, const AXES: usize>(
             self,
-            tables: &[Table<AXES, PLAYS, SLOW>; CHANNELS],
+            tables: &[Table<AXES>; CHANNELS],
         ) -> f64 {
             let core = &tables[0];
             let mut unit = Compensator::new(core);
             unit.start(20.0);
             let interval = Interval::new(core.thermal(), 1.0);
-            let mut history = HistoryState::new(20.0);
             let steps = (0..20_000).map(|i| {
                 let temp_c = 30.0 + 40.0 * (0.003 * i as f32).sin();
                 let out = unit.step(&interval, temp_c, [0.0; AXES]);
-                let past = history.update(core.history(), &interval, out.point.effective_c);
                 let u = f64::from(out.point.effective_c);
                 let exact = (u - f64::from(self.0.first_edge_c)) / self.0.cell_width_c();
                 let z = exact - core.place(out.point.effective_c).cell as f64;
-                let rate = f64::from(out.point.rate_c_per_min);
-                let mut bias = bias(&self.0.cells[0][0], z, rate);
-                for (play, value) in core.history().plays().iter().zip(past.plays_c) {
-                    bias += f64::from(play.gain[0]) * f64::from(value);
-                }
-                for (part, value) in core.history().slow_parts().iter().zip(past.lags_c) {
-                    bias += f64::from(part.gain[0]) * f64::from(value);
+                let (rate, lag) = (out.point.rate_c_per_min.into(), out.point.lag2_c.into());
+                let mut bias = bias(&self.0.cells[0][0], z, rate, lag);
+                for (gain, play_c) in self.0.play_gains[0].into_iter().zip(out.point.plays_c) {
+                    bias += f64::from(gain) * f64::from(play_c);
                 }
                 (bias - f64::from(out.bias[0])).abs()
             });
@@ -327,15 +329,15 @@ mod tests {
     /// The bound for any table: 18 half-units of the last place of the largest coefficient.
     #[test]
     fn the_generic_bound_is_eighteen_units() {
-        let bound = evaluation_error(&[1.0; 3], &[1.0; 2], 1.0);
-        let mixed = evaluation_error(&[1.0, 0.5, -1.0], &[1.0, -1.0], 1.0);
+        let bound = evaluation_error(&[1.0; 3], &[([1.0; 2], 1.0)]);
+        let mixed = evaluation_error(&[1.0, 0.5, -1.0], &[([1.0, -1.0], 1.0)]);
         assert!(bound <= 18.01 * UNIT, "{bound}");
         assert!(mixed <= 18.01 * UNIT, "{mixed}");
     }
 
     #[test]
     fn a_flat_table_rounds_by_its_own_last_place_only() {
-        let bound = table(Terms::new([3.0], []), (0.0, 1.0), 1, 0.0).rounding_bound(0);
+        let bound = table(Terms::new([3.0], []), (0.0, 1.0), 1, (0.0, 0.0)).rounding_bound(0);
         assert!(bound.total < 3.0 * 3.0 * UNIT, "{}", bound.total);
     }
 }

@@ -50,7 +50,7 @@ pub struct Candidate {
     pub half_widths_c: Vec<f64>,
     /// Time constant of its second lag \[s\].
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub slow_tau_s: Option<f64>,
+    pub tau2_s: Option<f64>,
     /// Held-out root mean square error of each axis \[unit of the axis\].
     pub rmse: Vec<f64>,
     /// How much larger the held-out mean square is than the best candidate's, as a share,
@@ -65,7 +65,7 @@ pub struct Candidate {
 #[serde(deny_unknown_fields)]
 pub struct Selection {
     /// Soaks and ramps found in the logs.
-    pub legs: usize,
+    pub soaks_and_ramps: usize,
     /// Parts in which they were left out.
     pub folds: usize,
     /// Speeds of the ramps that differ by more than 30 % \[degC/min\].
@@ -95,7 +95,7 @@ impl Selection {
 #[serde(deny_unknown_fields)]
 pub struct HeldOutErrors {
     /// Soaks and ramps found in the logs.
-    pub legs: usize,
+    pub soaks_and_ramps: usize,
     /// Parts in which they were left out.
     pub folds: usize,
     /// Without compensation.

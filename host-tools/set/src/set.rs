@@ -1,15 +1,17 @@
 //! The coefficient set: everything that was fitted, in f64, and the table that flies, in f32.
 
 use serde::{Deserialize, Serialize};
-use tempco::Terms;
+use tempco::{PLAYS, Terms, ThermalSettings};
+use tempco_image::CRC;
 
 use crate::model::{Mismatch, mismatches};
+use crate::run::thermal_period_s;
 use crate::segment::{Overlap, Segment, SegmentError, Segmentation};
-use crate::table::{self, TableData};
-use crate::{AxisSet, Model, Provenance, Screening, Selection, SignOff};
+use crate::table::{self, TableData, without_history};
+use crate::{AxisSet, Model, Outliers, Provenance, Selection, SignOff, version1};
 
 /// Version of the JSON format; a reader refuses another one.
-pub const FORMAT_VERSION: u32 = 1;
+pub const FORMAT_VERSION: u32 = 2;
 
 /// An overlap mismatch beyond this share of the axis's own bias range raises the alarm: the
 /// neighbours then disagree about more than half of what they are there to remove.
@@ -33,6 +35,9 @@ pub struct CoefficientSet {
     pub channels: Vec<ChannelSet>,
     /// CRC-32P4 over the numbers of all tables, in hexadecimal.
     pub table_crc32: String,
+    /// CRC-32P4 over the polynomials, the scale factor and the mapping of columns, in hexadecimal.
+    #[serde(default)]
+    pub set_crc32: String,
     /// Verdicts of verification logs, oldest first; the last one counts.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub sign_offs: Vec<SignOff>,
@@ -48,6 +53,9 @@ pub struct Settings {
     pub overlap: Overlap,
     /// Angle per pulse \[arcsec\], if pulse counts were turned into deg/h.
     pub scale_factor_arcsec: Option<f64>,
+    /// Time between two temperatures of the core \[s\]: the longest of the fitted logs, see
+    /// [`thermal_period_s`](crate::run::thermal_period_s); 0 in an imported set.
+    pub thermal_period_s: f64,
 }
 
 /// The axes that share a temperature, and their table.
@@ -68,7 +76,7 @@ pub struct ChannelSet {
     pub boundary_moved_c: f64,
     /// What was left out of the fit, and what was found in the logs; none in an imported set.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub screening: Option<Screening>,
+    pub outliers: Option<Outliers>,
     /// What the model was chosen from; none where it was given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub selection: Option<Selection>,
@@ -120,26 +128,30 @@ pub struct Coverage {
 }
 
 impl CoefficientSet {
-    /// The same set without its use of the rate and the history of temperature: no rate terms, no
-    /// history terms, `kappa` at 0. None where it makes no use of them.
+    /// The same set without its use of the rate and the history of temperature. None where it makes
+    /// no use of them.
     pub fn static_part(&self) -> Option<Self> {
         let mut part = self.clone();
         for channel in &mut part.channels {
-            channel.table.thermal.kappa = 0.0;
-            channel.table.plays.clear();
-            channel.table.slow_parts.clear();
-            for terms in channel.table.cells.iter_mut().flatten() {
-                terms.r = [0.0; Terms::RATE];
+            let table = &mut channel.table;
+            table.thermal = ThermalSettings {
+                kappa: 0.0,
+                ..without_history(&table.thermal)
+            };
+            table.play_gains.fill([0.0; PLAYS]);
+            for terms in table.cells.iter_mut().flatten() {
+                *terms = Terms::new(terms.a, []);
             }
             for axis in &mut channel.axes {
                 axis.gains.clear();
                 for polynomial in &mut axis.polynomials {
                     polynomial.r = [0.0; Terms::RATE];
+                    polynomial.s = [0.0; Terms::LAG];
                 }
             }
         }
         part.settings.model = Model::Static;
-        part.table_crc32 = format!("{:08x}", part.crc32());
+        part.seal();
         (part.table_crc32 != self.table_crc32).then_some(part)
     }
 
@@ -150,13 +162,23 @@ impl CoefficientSet {
     /// its range, a table that the core refuses or that is not the one of the polynomials, or a CRC
     /// that does not belong to the numbers.
     pub fn from_json(text: &str) -> Result<Self, String> {
-        let set: Self = serde_json::from_str(text).map_err(|error| {
+        let expected = |error: serde_json::Error| {
             format!(
                 "line {}, column {}: {error}; expected a coefficient set written by `tempco fit`",
                 error.line(),
                 error.column()
             )
-        })?;
+        };
+        let set: Self = match version1::converted(text)? {
+            Some(converted) => {
+                let mut set: Self = serde_json::from_value(converted)
+                    .map_err(|error| format!("{error}; expected a coefficient set of version 1"))?;
+                // Version 1 had the CRC of the tables only.
+                set.set_crc32 = format!("{:08x}", set.polynomial_crc32());
+                set
+            }
+            None => serde_json::from_str(text).map_err(expected)?,
+        };
         set.check()?;
         Ok(set)
     }
@@ -172,6 +194,39 @@ impl CoefficientSet {
     /// CRC-32P4 over the numbers of all tables.
     pub fn crc32(&self) -> u32 {
         table::crc32(self.channels.iter().map(|channel| &channel.table))
+    }
+
+    /// CRC-32P4 over what makes the tables and their use: the numbers of all polynomials in f64,
+    /// little-endian, then scale factor and mappings as in `coefficients.json`, without blanks.
+    pub(crate) fn polynomial_crc32(&self) -> u32 {
+        let mut digest = CRC.digest();
+        let polynomials = self.axes().flat_map(|(_, axis)| &axis.polynomials);
+        for of in polynomials {
+            let coefficients = of.a.iter().chain(&of.r).chain(&of.s);
+            for value in [of.centre_c, of.half_width_c].iter().chain(coefficients) {
+                digest.update(&value.to_le_bytes());
+            }
+        }
+        let mappings = self.provenance.inputs.iter().map(|input| &input.mapping);
+        let rest = (
+            self.settings.scale_factor_arcsec,
+            mappings.collect::<Vec<_>>(),
+        );
+        let text = serde_json::to_string(&rest).expect("keys that are texts");
+        digest.update(text.as_bytes());
+        digest.finalize()
+    }
+
+    /// Writes both CRCs, of the numbers as they are.
+    pub fn seal(&mut self) {
+        self.table_crc32 = format!("{:08x}", self.crc32());
+        self.set_crc32 = format!("{:08x}", self.polynomial_crc32());
+    }
+
+    /// Time between two temperatures when the set is run over a log whose rows are `interval_s` apart
+    /// \[s\].
+    pub fn thermal_period_s(&self, interval_s: f64) -> f64 {
+        thermal_period_s(interval_s).max(self.settings.thermal_period_s)
     }
 
     /// All axes, channel by channel, each with the position of its channel.

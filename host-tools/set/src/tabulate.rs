@@ -1,16 +1,17 @@
 //! Turns the segments of a model into the cells the core evaluates.
 
-use tempco::{MAX_CELLS, Terms};
+use tempco::{Terms, ThermalSettings};
+use tempco_image::max_cells;
 
 use crate::model::{AxisModel, horner};
 use crate::segment::{Piece, Segmentation};
 
-/// The most cells a table is given: 256 cells of three axes take 15 KiB of flash.
+/// The most cells a table is given, if an image has room for them: 256 cells of three axes take
+/// 21 KiB of flash.
 const MOST_CELLS: usize = 256;
-const _: () = assert!(MOST_CELLS <= MAX_CELLS);
 
 /// Accepted deviation of the cells from the model, as a share of the range of the axis's bias
-/// over the calibrated temperatures and rates.
+/// over the calibrated temperatures, rates and second lags.
 pub(crate) const TOLERANCE: f64 = 1e-3;
 
 /// Cells and how well they stand for the model.
@@ -30,24 +31,27 @@ pub(crate) struct Cells {
 /// Quadratics are re-centred exactly; a blend, which is of higher degree, is interpolated at both
 /// edges and the middle of each cell, so that it stays continuous. Where no number of cells fits,
 /// the most cells are used, boundaries go to the nearest edge, and the result says by how much.
+/// `axes_of_unit` is the number of axes of all channels.
 pub(crate) fn tabulate(
     segmentation: &Segmentation,
     axes: &[AxisModel],
-    rates_c_per_min: (f64, f64),
+    limits: &Limits,
+    axes_of_unit: usize,
 ) -> Cells {
     let range = segmentation.range_c();
     let pieces = segmentation.pieces(axes[0].overlap);
-    for count in 1..=MOST_CELLS {
+    let most = MOST_CELLS.min(max_cells(axes_of_unit));
+    for count in 1..=most {
         let grid = Grid { range, count };
         if grid.worst_distance_c(&pieces) > 1e-6 {
             continue;
         }
-        let found = grid.cells(&pieces, axes, rates_c_per_min);
+        let found = grid.cells(&pieces, axes, limits);
         if found.deviation <= TOLERANCE {
             return found;
         }
     }
-    in_cells(MOST_CELLS, segmentation, axes, rates_c_per_min)
+    in_cells(most, segmentation, axes, limits)
 }
 
 /// The model in a given number of cells, well or badly.
@@ -55,11 +59,27 @@ pub(crate) fn in_cells(
     count: usize,
     segmentation: &Segmentation,
     axes: &[AxisModel],
-    rates_c_per_min: (f64, f64),
+    limits: &Limits,
 ) -> Cells {
     let range = segmentation.range_c();
     let pieces = segmentation.pieces(axes[0].overlap);
-    Grid { range, count }.cells(&pieces, axes, rates_c_per_min)
+    Grid { range, count }.cells(&pieces, axes, limits)
+}
+
+/// Lowest and highest calibrated rate \[degC/min\] and second lag \[degC\].
+pub(crate) struct Limits {
+    rates: (f64, f64),
+    lags: (f64, f64),
+}
+
+impl Limits {
+    pub(crate) fn of(thermal: &ThermalSettings) -> Self {
+        let pair = |low: f32, high: f32| (low.into(), high.into());
+        Self {
+            rates: pair(thermal.rate_min_c_per_min, thermal.rate_max_c_per_min),
+            lags: pair(thermal.lag2_min_c, thermal.lag2_max_c),
+        }
+    }
 }
 
 struct Grid {
@@ -86,11 +106,11 @@ impl Grid {
             .fold(0.0, f64::max)
     }
 
-    fn cells(&self, pieces: &[Piece], axes: &[AxisModel], rates: (f64, f64)) -> Cells {
+    fn cells(&self, pieces: &[Piece], axes: &[AxisModel], limits: &Limits) -> Cells {
         let mut cells = vec![Vec::with_capacity(axes.len()); self.count];
         let mut deviation = 0.0_f64;
         for axis in axes {
-            let mut spread = Spread::new(rates);
+            let mut spread = Spread::new(limits);
             let mut before: Option<(usize, Terms)> = None;
             for (number, cell) in cells.iter_mut().enumerate() {
                 let (low, high) = (self.edge_c(number), self.edge_c(number + 1));
@@ -123,53 +143,59 @@ impl Grid {
     }
 }
 
-/// Bias and bias per rate at the hot edge of a cell, as the core computes them.
-fn hot_edge(terms: &Terms) -> (f32, f32) {
-    (horner(&terms.a, 1.0), horner(&terms.r, 1.0))
+/// Bias, bias per rate and bias per second lag at the hot edge of a cell, as the core computes them.
+fn hot_edge(terms: &Terms) -> [f32; 3] {
+    [&terms.a[..], &terms.r, &terms.s].map(|part| horner(part, 1.0))
 }
 
-/// The polynomial through three points (static bias, bias per rate) at the cold edge, the middle
-/// and the hot edge of a cell. With `start`, the bias at the cold edge is exactly that: the
-/// rounding of the coefficients then leaves no jump, and, because each cell aims at its own hot
-/// edge, it does not add up either.
-fn terms(cold: (f64, f64), mid: (f64, f64), hot: (f64, f64), start: Option<(f32, f32)>) -> Terms {
-    let (a0, r0) = start.unwrap_or((cold.0 as f32, cold.1 as f32));
-    let a2 = (2.0 * (cold.0 + hot.0 - 2.0 * mid.0)) as f32;
-    let a1 = (hot.0 - f64::from(a0) - f64::from(a2)) as f32;
-    let r1 = (hot.1 - f64::from(r0)) as f32;
+/// The polynomial through three points (static bias, bias per rate, bias per second lag) at the
+/// cold edge, the middle and the hot edge of a cell. With `start`, the bias at the cold edge is
+/// exactly that: the rounding of the coefficients then leaves no jump, and, because each cell aims
+/// at its own hot edge, it does not add up either.
+fn terms(cold: [f64; 3], mid: [f64; 3], hot: [f64; 3], start: Option<[f32; 3]>) -> Terms {
+    let [a0, r0, s0] = start.unwrap_or(cold.map(|value| value as f32));
+    let a2 = (2.0 * (cold[0] + hot[0] - 2.0 * mid[0])) as f32;
+    let a1 = (hot[0] - f64::from(a0) - f64::from(a2)) as f32;
+    let r1 = (hot[1] - f64::from(r0)) as f32;
+    let s1 = (hot[2] - f64::from(s0)) as f32;
     Terms {
         a: [a0, a1, a2],
         r: [r0, r1],
+        s: [s0, s1],
     }
 }
 
 /// How far cells are from their model, and the range of the model.
-struct Spread {
-    rates: (f64, f64),
+struct Spread<'l> {
+    limits: &'l Limits,
     worst: f64,
     least: f64,
     most: f64,
 }
 
-impl Spread {
-    const fn new(rates: (f64, f64)) -> Self {
+impl<'l> Spread<'l> {
+    const fn new(limits: &'l Limits) -> Self {
         Self {
-            rates,
+            limits,
             worst: 0.0,
             least: f64::INFINITY,
             most: f64::NEG_INFINITY,
         }
     }
 
-    fn compare(&mut self, terms: &Terms, z: f64, (static_bias, rate_bias): (f64, f64)) {
+    fn compare(&mut self, terms: &Terms, z: f64, [static_bias, rate_bias, lag_bias]: [f64; 3]) {
         let fixed = horner(&terms.a.map(f64::from), z);
         let by_rate = horner(&terms.r.map(f64::from), z);
-        for rate in [self.rates.0, 0.0, self.rates.1] {
-            let bias = static_bias + rate * rate_bias;
-            let error = fixed + rate * by_rate - bias;
-            self.worst = self.worst.max(error.abs());
-            self.least = self.least.min(bias);
-            self.most = self.most.max(bias);
+        let by_lag = horner(&terms.s.map(f64::from), z);
+        let Limits { rates, lags } = self.limits;
+        for rate in [rates.0, 0.0, rates.1] {
+            for lag in [lags.0, 0.0, lags.1] {
+                let bias = static_bias + rate * rate_bias + lag * lag_bias;
+                let error = fixed + rate * by_rate + lag * by_lag - bias;
+                self.worst = self.worst.max(error.abs());
+                self.least = self.least.min(bias);
+                self.most = self.most.max(bias);
+            }
         }
     }
 
@@ -187,6 +213,13 @@ mod tests {
     use super::*;
     use crate::model::Polynomial;
     use crate::segment::{Overlap, Segment};
+
+    fn rates(most: f64) -> Limits {
+        Limits {
+            rates: (-most, most),
+            lags: (0.0, 0.0),
+        }
+    }
 
     fn polynomials(segmentation: &Segmentation) -> Vec<Polynomial> {
         // X of the paper's table 2, with a made-up rate part.
@@ -219,7 +252,7 @@ mod tests {
                 polynomials: &polynomials,
                 overlap,
             };
-            let table = tabulate(&segmentation, &[axis], (-2.0, 2.0));
+            let table = tabulate(&segmentation, &[axis], &rates(2.0), 3);
             assert_eq!(table.cells.len() % 19, 0, "{overlap:?}");
             assert!(table.deviation <= TOLERANCE, "{overlap:?}");
             assert!(table.moved_c < 1e-9);
@@ -229,7 +262,7 @@ mod tests {
             } else {
                 // Blends leave no jump at all, as the core computes it.
                 for pair in table.cells.windows(2) {
-                    let jump = pair[1][0].bias(0.0, 2.0) - pair[0][0].bias(1.0, 2.0);
+                    let jump = pair[1][0].bias(0.0, 2.0, 0.0) - pair[0][0].bias(1.0, 2.0, 0.0);
                     assert_eq!(jump, 0.0, "{overlap:?}");
                 }
             }
@@ -244,7 +277,7 @@ mod tests {
             polynomials: &[constant],
             overlap: Overlap::Linear,
         };
-        let table = tabulate(&segmentation, &[axis], (-1.0, 1.0));
+        let table = tabulate(&segmentation, &[axis], &rates(1.0), 3);
         assert_eq!(table.cells.len(), 1);
     }
 
@@ -266,7 +299,7 @@ mod tests {
             polynomials: &polynomials,
             overlap: Overlap::Linear,
         };
-        let table = tabulate(&segmentation, &[axis], (-1.0, 1.0));
+        let table = tabulate(&segmentation, &[axis], &rates(1.0), 3);
         assert_eq!(table.cells.len(), MOST_CELLS);
         assert!(table.moved_c > 0.0 && table.moved_c <= 0.5 * 50.0 / MOST_CELLS as f64);
     }

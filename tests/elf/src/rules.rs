@@ -5,13 +5,9 @@ use std::path::Path;
 use crate::{CallGraph, Error, Image, Kernel, Lines, Site, forbidden_symbols, is_failure_path};
 
 /// The functions that run for every sample.
-pub const KERNELS: [&str; 10] = [
+pub const KERNELS: [&str; 6] = [
     "kernels::step",
     "kernels::thermal",
-    "kernels::step_play",
-    "kernels::thermal_play",
-    "kernels::step_history",
-    "kernels::thermal_history",
     "kernels::subtract",
     "kernels::block8",
     "kernels::interval",

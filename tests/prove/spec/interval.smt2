@@ -14,6 +14,7 @@
 (and
   (within |thermal.settings.tau_s| ((_ to_fp 8 24) RNE 0.1) ((_ to_fp 8 24) RNE 6000.0))
   (= |thermal.per_tau_hz| (fp.div RNE one |thermal.settings.tau_s|))
+  (within |thermal.per_tau2_hz| ((_ to_fp 8 24) RNE 0.00001666) ((_ to_fp 8 24) RNE 10.0))
   (within |thermal.settings.spike_gate_c| ((_ to_fp 8 24) RNE 0.001) ((_ to_fp 8 24) RNE 1000.0))
   (within |thermal.settings.max_slew_c_per_min| ((_ to_fp 8 24) RNE 0.001) ((_ to_fp 8 24) RNE 10000.0)))
 
@@ -45,9 +46,6 @@
       (least ((_ to_fp 8 24) RNE 0.00002)))
   (= ((_ to_fp 8 24) |interval'.slew|) (ite (and forward (fp.lt slew least)) least slew)))
 
-;@ claim time: kept as it is, infinity included, or 0 if none has passed
-(and (same |interval'.dt_s| real_s) (fp.leq zero |interval'.dt_s|))
-
 ;@ claim gap: after a gap the estimator begins again and gives no rate
 (=> gap (and (fp.eq |interval'.alpha| one) (fp.eq |interval'.rate_gain_per_min| zero)))
 
@@ -70,6 +68,9 @@
 
 ;@ claim alpha: within 0 to 1
 (within |interval'.alpha| zero one)
+
+;@ claim alpha2: that of the second lag is within 0 to 1
+(within |interval'.alpha2| zero one)
 
 ;@ claim gain: within 0 to 601 per minute
 (within |interval'.rate_gain_per_min| zero ((_ to_fp 8 24) RNE 601.0))

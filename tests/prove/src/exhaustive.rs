@@ -22,7 +22,7 @@ pub struct Worst {
 /// that is not finite, or an error beyond the rounding bound.
 pub fn check(data: &TableData, axis: usize, threads: u64) -> Result<Worst> {
     let cells = data.terms::<1>(axis);
-    let table = data.table_over(&cells)?;
+    let table = data.table_over(0, &cells)?;
     let parts: Vec<Result<Worst>> = std::thread::scope(|scope| {
         let table = &table;
         let workers: Vec<_> = (0..threads)

@@ -9,10 +9,7 @@ use std::fmt::Debug;
 use std::mem::MaybeUninit;
 
 use anyhow::{Context, Result, bail, ensure};
-use tempco::{
-    History, HistoryState, Interval, Play, SlowPart, Table, Terms, Thermal, ThermalSettings,
-    ThermalState,
-};
+use tempco::{Interval, Play, SecondLag, Table, Terms, Thermal, ThermalSettings, ThermalState};
 
 use crate::smt::{Field, FieldType, Object};
 
@@ -34,22 +31,11 @@ pub(crate) fn objects(ir: &str) -> Result<Vec<Object>> {
     };
     let state = checked(&ThermalState::new(&thermal), ir, "PROVE_STATE")?;
     let interval = checked(&Interval::new(&thermal, 0.25), ir, "PROVE_INTERVAL")?;
-    let play = Play {
-        half_width_c: 3.0,
-        gain: [0.5],
-    };
-    let play = checked(&History::new(60.0, [play], [])?, ir, "PROVE_PLAY")?;
-    let contact = checked(&HistoryState::<1, 0>::new(25.0), ir, "PROVE_CONTACT")?;
-    let slow_part = SlowPart {
-        tau_s: 600.0,
-        limit_c: 8.0,
-        gain: [0.5],
-    };
-    let slow_part = checked(&History::new(60.0, [], [slow_part])?, ir, "PROVE_SLOW_PART")?;
-    let slow = checked(&HistoryState::<0, 1>::new(25.0), ir, "PROVE_SLOW")?;
+    let play = checked(&Play::new(25.0), ir, "PROVE_PLAY")?;
+    let lag = checked(&SecondLag::new(25.0), ir, "PROVE_LAG")?;
     let thermal = checked(&thermal, ir, "PROVE_THERMAL")?;
-    let terms = (0..5).map(|number| Field {
-        name: ["a0", "a1", "a2", "r0", "r1"][number].to_owned(),
+    let terms = (0..Terms::COUNT).map(|number| Field {
+        name: Terms::NAMES[number].to_owned(),
         offset: 4 * number,
         ty: FieldType::Float,
     });
@@ -60,9 +46,7 @@ pub(crate) fn objects(ir: &str) -> Result<Vec<Object>> {
         object("table", table(ir)?, true),
         object("terms", terms.collect(), true),
         object("play", play, true),
-        object("contact", contact, true),
-        object("slow_part", slow_part, true),
-        object("slow", slow, true),
+        object("lag", lag, true),
         single("effective_c", FieldType::Float),
         single("rate_c_per_min", FieldType::Float),
         single("z", FieldType::Float),

@@ -27,7 +27,7 @@ struct Args {
     /// Coefficient set whose tables are examined; the example table without one
     #[arg(long)]
     set: Option<PathBuf>,
-    /// Only this function: place, bias, interval, update, play or slow_part
+    /// Only this function: place, bias, interval, update, play or second_lag
     #[arg(long)]
     only: Option<String>,
     /// Time limit of a query \[s\]
@@ -102,12 +102,11 @@ fn example_table() -> Result<TableData> {
         t_min_c: table.t_min_c(),
         t_max_c: table.t_max_c(),
         cells: table.cells().iter().map(|cell| cell.to_vec()).collect(),
-        plays: Vec::new(),
-        slow_parts: Vec::new(),
+        play_gains: vec![[0.0; tempco::PLAYS]; example::AXES],
     };
     let terms = data.terms::<{ example::AXES }>(0);
     ensure!(
-        data.table_over(&terms)? == *table,
+        data.table_over(0, &terms)? == *table,
         "the example's edges are elsewhere"
     );
     Ok(data)

@@ -19,7 +19,7 @@ const SPECS: [(&str, &str); 6] = [
     ("interval", include_str!("../spec/interval.smt2")),
     ("update", include_str!("../spec/update.smt2")),
     ("play", include_str!("../spec/play.smt2")),
-    ("slow_part", include_str!("../spec/slow_part.smt2")),
+    ("second_lag", include_str!("../spec/second_lag.smt2")),
 ];
 
 /// Times the limit for claims that take long.

@@ -1,81 +1,88 @@
 //! Images for the tests, and ways to spoil them so that the CRCs still hold.
 #![allow(dead_code, reason = "each test program uses its share")]
 
-use tempco::{Play, SlowPart, Terms, ThermalSettings};
-use tempco_image::{
-    AlignedBytes, BLOCK_LEN, CRC, Channel, ChannelHistory, Info, Unit, contents_len, encode,
-};
+use tempco::{Terms, ThermalSettings};
+use tempco_image::{AlignedBytes, Axis, BLOCK_LEN, CRC, Channel, Info, Unit, contents_len, encode};
 
 pub(crate) type Bytes = AlignedBytes<512>;
 
-pub(crate) const HEADER_LEN: usize = 72;
-pub(crate) const CHANNEL_LEN: usize = 72;
+pub(crate) const HEADER_LEN: usize = 80;
+pub(crate) const CHANNEL_LEN: usize = 108;
+pub(crate) const AXIS_LEN: usize = 28;
+/// Where the cells of the example begin.
+pub(crate) const CELLS_AT: usize = HEADER_LEN + CHANNEL_LEN + AXIS_LEN;
 
 /// Two cells of one axis that meet at 20 degC.
 pub(crate) const CELLS: [Terms; 2] = [
-    Terms::new([-0.5, 0.75, 0.0], [0.5, 0.0]),
-    Terms::new([0.25, 0.5, 0.125], [0.5, 0.25]),
+    Terms::from_array([-0.5, 0.75, 0.0, 0.5, 0.0, 0.125, 0.25]),
+    Terms::from_array([0.25, 0.5, 0.125, 0.5, 0.25, 0.375, 0.0]),
 ];
 
-pub(crate) const PLAYS: [Play<1>; 2] = [
-    Play {
-        half_width_c: 2.0,
-        gain: [0.5],
-    },
-    Play {
-        half_width_c: 8.0,
-        gain: [-0.25],
-    },
-];
+/// A second lag and two plays.
+pub(crate) const THERMAL: ThermalSettings = ThermalSettings {
+    kappa: 0.25,
+    kappa2: -0.125,
+    lag2_min_c: -4.0,
+    lag2_max_c: 5.0,
+    half_width1_c: 2.0,
+    half_width2_c: 8.0,
+    play_kappa: 0.375,
+    play_kappa2: 0.5,
+    play_start_min: 3.0,
+    least_divisor: 0.75,
+    ..ThermalSettings::DEFAULT
+};
 
-pub(crate) const SLOW_PART: SlowPart<1> = SlowPart {
-    tau_s: 600.0,
-    limit_c: 4.0,
-    gain: [0.125],
+pub(crate) const AXIS: Axis = Axis {
+    unit: Unit::Dph,
+    scale_factor_arcsec: 1.5,
+    row_noise: 0.0625,
+    row_noise_interval_s: 10.0,
+    rezero_limit: 20.0,
+    play_gains: [0.5, -0.25],
 };
 
 pub(crate) const INFO: Info = Info {
     serial: "SN7",
     table_crc: 0x1234_abcd,
     continuous: true,
+    security_counter: 5,
+    key_id: 0,
+    signature: &[],
 };
 
-pub(crate) fn channel<'a>(cells: &'a [Terms], units: &[Unit]) -> Channel<'a> {
+pub(crate) const SIGNED: Info = Info {
+    key_id: 0x102,
+    signature: b"eight by",
+    ..INFO
+};
+
+pub(crate) fn channel<'a>(cells: &'a [Terms], axes: &[Axis]) -> Channel<'a> {
     Channel {
-        thermal: ThermalSettings::DEFAULT,
+        thermal: THERMAL,
         first_edge_c: -40.0,
         last_edge_c: 80.0,
         t_min_c: -35.0,
         t_max_c: 75.0,
-        units: Unit::array(units),
+        period_s: 0.25,
+        axes: Axis::array(axes),
         cells,
-        history: ChannelHistory::NONE,
     }
 }
 
 /// The image of the worked example and its length.
 pub(crate) fn example() -> (Bytes, usize) {
-    example_with(&[], &[])
+    example_of(&INFO)
 }
 
-/// The example with as many history terms as an image can have.
-pub(crate) fn example_with_history() -> (Bytes, usize) {
-    example_with(&PLAYS, &[SLOW_PART])
-}
-
-/// Images without and with history terms.
+/// Images without and with a signature.
 pub(crate) fn examples() -> [(Bytes, usize); 2] {
-    [example(), example_with_history()]
+    [example(), example_of(&SIGNED)]
 }
 
-/// The example with some history terms.
-pub(crate) fn example_with(plays: &[Play<1>], slow_parts: &[SlowPart<1>]) -> (Bytes, usize) {
-    let channel = Channel {
-        history: ChannelHistory::new(plays, slow_parts).unwrap(),
-        ..channel(&CELLS, &[Unit::Dph])
-    };
+fn example_of(info: &Info) -> (Bytes, usize) {
     let mut bytes = AlignedBytes([0; 512]);
-    let len = encode(&INFO, &[channel], &mut bytes.0).unwrap();
+    let len = encode(info, &[channel(&CELLS, &[AXIS])], &mut bytes.0).unwrap();
     (bytes, len)
 }
 
@@ -91,11 +98,7 @@ pub(crate) fn reseal(image: &mut [u8]) {
 
 /// The example with bytes replaced and valid CRCs.
 pub(crate) fn spoilt(at: usize, with: &[u8]) -> (Bytes, usize) {
-    spoil(example(), at, with)
-}
-
-/// An image with bytes replaced and valid CRCs.
-pub(crate) fn spoil((mut bytes, len): (Bytes, usize), at: usize, with: &[u8]) -> (Bytes, usize) {
+    let (mut bytes, len) = example();
     bytes.0[at..at + with.len()].copy_from_slice(with);
     reseal(&mut bytes.0[..len]);
     (bytes, len)

@@ -6,9 +6,7 @@ pub(crate) mod flash;
 use embedded_storage::nor_flash::NorFlash;
 use flash::Flash;
 use tempco::{Terms, ThermalSettings};
-use tempco_image::{
-    AlignedBytes, CRC, Channel, ChannelHistory, Image, ImageError, Info, Unit, encode,
-};
+use tempco_image::{AlignedBytes, Axis, CRC, Channel, Image, ImageError, Info, Unit, encode};
 use tempco_store::{Boot, Region, Store, StoreError};
 
 pub(crate) const SERIAL: &str = "SN7";
@@ -22,14 +20,15 @@ pub(crate) fn image_of(serial: &str, cells: usize, version: u32) -> Vec<u8> {
         last_edge_c: 80.0,
         t_min_c: -35.0,
         t_max_c: 75.0,
-        units: Unit::array(&[Unit::Dph]),
+        period_s: 0.0,
+        axes: Axis::array(&[Axis::new(Unit::Dph)]),
         cells: &cells,
-        history: ChannelHistory::NONE,
     };
     let info = Info {
         serial,
         table_crc: version,
         continuous: true,
+        ..Info::default()
     };
     let mut bytes = vec![0; 8192];
     let len = encode(&info, &[channel], &mut bytes).unwrap();
@@ -43,7 +42,7 @@ pub(crate) fn image(cells: usize, version: u32) -> Vec<u8> {
 
 pub(crate) fn accept(image: &Image) -> Result<(), ImageError> {
     image.expect_serial(SERIAL)?;
-    image.tables::<1, 1, 0, 0>().map(drop)
+    image.tables::<1, 1>().map(drop)
 }
 
 pub(crate) type Buffer = AlignedBytes<4096>;

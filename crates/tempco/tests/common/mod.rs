@@ -1,12 +1,14 @@
 //! Tables, units and streams that the tests of this folder share.
 
 // Each test file uses a part of it.
-#![allow(dead_code)]
+#![allow(dead_code, unused_imports)]
 
+mod rich;
 mod table;
 
 use tempco::{Compensator, Interval, Output, Status, Table, Terms};
 
+pub(crate) use rich::*;
 pub(crate) use table::*;
 
 pub(crate) const SECOND: Interval = Interval::new(&THERMAL, 1.0);
@@ -47,7 +49,7 @@ pub(crate) fn lipschitz(table: &Table<'_, 2>, axis: usize) -> Lipschitz {
         per_c: 0.0,
         per_rate: 0.0,
     };
-    for Terms { a, r } in cells.iter().map(|cell| cell[axis]) {
+    for Terms { a, r, .. } in cells.iter().map(|cell| cell[axis]) {
         let per_cell = a[1].abs().max((a[1] + 2.0 * a[2]).abs()) + rate * r[1].abs();
         bound.per_c = bound.per_c.max(per_cell * cells_per_c);
         bound.per_rate = bound.per_rate.max(r[0].abs()).max((r[0] + r[1]).abs());
@@ -93,11 +95,13 @@ pub(crate) fn constant_bias() -> [f32; 2] {
 }
 
 /// All the numbers of an output, so that NaN equals itself and 0 differs from -0.
-pub(crate) fn bits(out: &Output<2>) -> [u32; 6] {
+pub(crate) fn bits(out: &Output<2>) -> [u32; 9] {
     let [c0, c1] = out.compensated;
     let [b0, b1] = out.bias;
     let point = out.point;
-    [c0, c1, b0, b1, point.effective_c, point.rate_c_per_min].map(f32::to_bits)
+    let [p0, p1] = point.plays_c;
+    let (u, rate, lag2) = (point.effective_c, point.rate_c_per_min, point.lag2_c);
+    [c0, c1, b0, b1, u, rate, lag2, p0, p1].map(f32::to_bits)
 }
 
 /// Numbers without a pattern, the same on every run (xorshift64*).

@@ -35,7 +35,7 @@ pub(crate) const fn table(thermal: Thermal) -> Table<'static, 2> {
     }
 }
 
-const fn cells() -> [[Terms; 2]; COUNT] {
+pub(super) const fn cells() -> [[Terms; 2]; COUNT] {
     let none = Terms::new([], []);
     let mut cells = [[none; 2]; COUNT];
     let mut k = 0;

@@ -17,8 +17,7 @@ mod image {
     use tempco::{Interval, Output, Table, ThermalPoint};
     use tempco_firmware::table::{AXES, TABLES};
     use tempco_firmware::target::{banner, exit};
-    use tempco_test_images::history::{HISTORY, PLAY};
-    use tempco_test_images::kernels::{self, BLOCK, Buffers, Inputs, Kernel, Tables, Units};
+    use tempco_test_images::kernels::{self, BLOCK, Buffers, Inputs, Kernel, Units};
     use tempco_test_images::measure::{Span, Stopwatch};
 
     static BUFFERS: Buffers<AXES> = Buffers::new();
@@ -40,13 +39,9 @@ mod image {
         f32::MIN_POSITIVE,
     ];
 
-    const KERNELS: [(&str, Kernel<'static, AXES>); 14] = [
+    const KERNELS: [(&str, Kernel<'static, AXES>); 10] = [
         ("step", kernels::step),
         ("thermal", kernels::thermal),
-        ("step_play", kernels::step_play),
-        ("thermal_play", kernels::thermal_play),
-        ("step_history", kernels::step_history),
-        ("thermal_history", kernels::thermal_history),
         ("subtract", kernels::subtract),
         ("block8", kernels::block8),
         ("interval", kernels::interval),
@@ -90,14 +85,6 @@ mod image {
         defmt::println!(
             "size ramp_buffer {=usize}",
             size_of::<tempco::RampBuffer<AXES>>()
-        );
-        defmt::println!(
-            "size compensator_play {=usize}",
-            size_of::<tempco::Compensator<'static, AXES, 1>>()
-        );
-        defmt::println!(
-            "size compensator_history {=usize}",
-            size_of::<tempco::Compensator<'static, AXES, 1, 1>>()
         );
         defmt::println!(
             "size thermal_state {=usize}",
@@ -150,12 +137,7 @@ mod image {
             point: ThermalPoint::default(),
             status: tempco::Status::OK,
         };
-        let tables = Tables {
-            plain: table,
-            play: &PLAY,
-            history: &HISTORY[0],
-        };
-        let fresh = Units::new(tables, &BUFFERS, 100);
+        let fresh = Units::new(table, &BUFFERS, 100);
         let mut steady = fresh.clone();
         steady.start(25.0);
         let calm = Inputs {

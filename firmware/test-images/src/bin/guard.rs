@@ -21,14 +21,14 @@ mod image {
     use core::hint::black_box;
 
     use tempco::{
-        Interval, Output, PulseRamp, Schedule, Status, Stream, Table, TableError, Terms, Thermal,
-        ThermalChannels, ThermalPoint, ThermalSettings,
+        Interval, Output, PLAYS, PulseRamp, Schedule, Status, Stream, Table, TableError, Terms,
+        Thermal, ThermalChannels, ThermalPoint, ThermalSettings,
     };
     use tempco_firmware::table::{AXES, CHANNELS, CRC, TABLES};
     use tempco_replay::{Header, HeaderError, Record, RecordError, Replay, Sample};
     use tempco_test_images::guard::report_and_exit;
-    use tempco_test_images::history::{HISTORY, PLAY};
-    use tempco_test_images::kernels::{self, Buffers, Inputs, Tables, Units};
+    use tempco_test_images::history::HISTORY;
+    use tempco_test_images::kernels::{self, Buffers, Inputs, Units};
 
     /// Enough for the state to matter; the proof is in the linking.
     const ROUNDS: u32 = 100;
@@ -51,12 +51,7 @@ mod image {
     /// The core as it flies, through the functions whose costs are published.
     #[inline(never)]
     fn compensators() {
-        let tables = Tables {
-            plain: &TABLES[0],
-            play: &PLAY,
-            history: &HISTORY[0],
-        };
-        let mut units = Units::new(black_box(tables), &BUFFERS, black_box(16));
+        let mut units = Units::new(black_box(&TABLES[0]), &BUFFERS, black_box(16));
         units.start(black_box(25.0));
         let mut output = Output {
             compensated: [0.0; AXES],
@@ -76,10 +71,6 @@ mod image {
             // One by one: a loop over function pointers would hide the calls from the ELF check.
             kernels::step(black_box(&mut units), black_box(&inputs), &mut output);
             kernels::thermal(black_box(&mut units), black_box(&inputs), &mut output);
-            kernels::step_play(black_box(&mut units), black_box(&inputs), &mut output);
-            kernels::thermal_play(black_box(&mut units), black_box(&inputs), &mut output);
-            kernels::step_history(black_box(&mut units), black_box(&inputs), &mut output);
-            kernels::thermal_history(black_box(&mut units), black_box(&inputs), &mut output);
             kernels::subtract(black_box(&mut units), black_box(&inputs), &mut output);
             kernels::block8(black_box(&mut units), black_box(&inputs), &mut output);
             kernels::interval(black_box(&mut units), black_box(&inputs), &mut output);
@@ -134,6 +125,7 @@ mod image {
         let thermal = Thermal::new(black_box(ThermalSettings::DEFAULT))?;
         let table = Table::new(thermal, black_box(-40.0), black_box(85.0), cells)?;
         let table = table.calibrated(black_box(-30.0), black_box(70.0))?;
+        let table = table.with_plays(black_box([[0.5; AXES]; PLAYS]))?;
         let place = black_box(table.place(black_box(25.0)));
         let point = ThermalPoint {
             effective_c: black_box(25.0),

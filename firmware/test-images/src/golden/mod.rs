@@ -24,9 +24,9 @@ const HISTORY_SHARE: u32 = 8;
 /// an eighth as many through those of `histories`. Calls `report` with 0 and the hashes of the
 /// subnormal run, then after each million and at the end with the samples so far and the hashes of
 /// them all.
-pub fn run<const C: usize, const H: usize, const A: usize, const P: usize, const S: usize>(
+pub fn run<const C: usize, const H: usize, const A: usize>(
     tables: &[Table<'_, A>; C],
-    histories: &[Table<'_, A, P, S>; H],
+    histories: &[Table<'_, A>; H],
     samples: u32,
     mut report: impl FnMut(u32, u64, u64),
 ) {
@@ -48,22 +48,22 @@ pub fn run<const C: usize, const H: usize, const A: usize, const P: usize, const
 }
 
 /// The compensators of one temperature channel.
-struct Unit<'t, const A: usize, const P: usize, const S: usize> {
-    table: &'t Table<'t, A, P, S>,
-    single: Compensator<'t, A, P, S>,
-    thermal: ThermalHalf<'t, A, P, S>,
+struct Unit<'t, const A: usize> {
+    table: &'t Table<'t, A>,
+    single: Compensator<'t, A>,
+    thermal: ThermalHalf<'t, A>,
     ramps: RampBuffer<A>,
 }
 
-struct Golden<'t, const C: usize, const A: usize, const P: usize, const S: usize> {
-    units: [Unit<'t, A, P, S>; C],
+struct Golden<'t, const C: usize, const A: usize> {
+    units: [Unit<'t, A>; C],
     samples: Samples,
     count: u32,
     hash: Fnv,
 }
 
-impl<'t, const C: usize, const A: usize, const P: usize, const S: usize> Golden<'t, C, A, P, S> {
-    fn new(tables: &'t [Table<'t, A, P, S>; C]) -> Self {
+impl<'t, const C: usize, const A: usize> Golden<'t, C, A> {
+    fn new(tables: &'t [Table<'t, A>; C]) -> Self {
         Self {
             units: tables.each_ref().map(|table| Unit {
                 table,
@@ -160,6 +160,10 @@ impl Fnv {
         }
         self.word(output.point.effective_c.to_bits());
         self.word(output.point.rate_c_per_min.to_bits());
+        self.word(output.point.lag2_c.to_bits());
+        for play_c in output.point.plays_c {
+            self.word(play_c.to_bits());
+        }
         self.word(u32::from(output.point.status.bits()));
         self.word(u32::from(output.status.bits()));
     }
@@ -173,7 +177,7 @@ mod tests {
     #[test]
     fn the_samples_raise_every_flag() {
         use tempco::{Status, Validity};
-        let table = &tempco_firmware::table::TABLES[0];
+        let table = &crate::history::HISTORY[0];
         let mut unit = Compensator::new(table);
         let mut samples = Samples::new();
         let (mut seen, mut usable) = (Status::OK, 0);

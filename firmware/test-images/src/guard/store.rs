@@ -3,16 +3,14 @@
 use core::hint::black_box;
 
 use embedded_storage::nor_flash::NorFlash;
-use tempco::{Play, SlowPart, Terms, ThermalSettings};
-use tempco_image::{AlignedBytes, Channel, ChannelHistory, Image, ImageError, Info, Unit, encode};
+use tempco::{Terms, ThermalSettings};
+use tempco_image::{AlignedBytes, Axis, Channel, Image, ImageError, Info, Unit, encode};
 use tempco_store::{Checked, FaultLog, Offsets, Region, Store, StoreError};
 
 use super::flash::{RamFlash, SECTOR};
 
 const CHANNELS: usize = 1;
 const AXES: usize = 3;
-const PLAYS: usize = 1;
-const SLOW_PARTS: usize = 1;
 const CODES: usize = 4;
 const SERIAL: &str = "SN7";
 const TABLE_CRC: u32 = 7;
@@ -88,7 +86,7 @@ fn accept(image: &Image) -> Result<(), ImageError> {
     image.expect_serial(black_box(SERIAL))?;
     image.validate()?;
     image.check_block(black_box(0))?;
-    let tables = image.tables::<CHANNELS, AXES, PLAYS, SLOW_PARTS>()?;
+    let tables = image.tables::<CHANNELS, AXES>()?;
     _ = black_box(tables);
     Ok(())
 }
@@ -96,14 +94,9 @@ fn accept(image: &Image) -> Result<(), ImageError> {
 #[inline(never)]
 fn write(image: &mut Buffer) -> Result<usize, ImageError> {
     let cell = const { Terms::new([0.1], [0.5]) };
-    let play = Play {
-        half_width_c: 1.0,
-        gain: [0.1; AXES],
-    };
-    let slow_part = SlowPart {
-        tau_s: 3000.0,
-        limit_c: 5.0,
-        gain: [0.1; AXES],
+    let axis = Axis {
+        play_gains: [0.1, 0.2],
+        ..Axis::new(Unit::Dph)
     };
     let channel = Channel {
         thermal: ThermalSettings::DEFAULT,
@@ -111,14 +104,17 @@ fn write(image: &mut Buffer) -> Result<usize, ImageError> {
         last_edge_c: 80.0,
         t_min_c: -35.0,
         t_max_c: 75.0,
-        units: Unit::array(&[Unit::Dph; AXES]),
+        period_s: 0.1,
+        axes: Axis::array(&[axis; AXES]),
         cells: &[cell; 2 * AXES],
-        history: ChannelHistory::new(&[play], &[slow_part])?,
     };
     let info = Info {
         serial: SERIAL,
         table_crc: TABLE_CRC,
         continuous: true,
+        security_counter: 1,
+        key_id: 2,
+        signature: &[3; 64],
     };
     encode(&black_box(info), &[black_box(channel)], &mut image.0)
 }

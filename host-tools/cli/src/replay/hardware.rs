@@ -5,7 +5,6 @@ use std::path::Path;
 use anyhow::{Context, Result, anyhow, ensure};
 use tempco_hil::replay::{Comparison, by_block, by_row};
 use tempco_hil::{Identity, Patience, Unit, open};
-use tempco_image::{MAX_PLAYS, MAX_SLOW_PARTS};
 use tempco_link::{FaultSet, Telemetry};
 use tempco_set::{ShapeUse, use_shape};
 
@@ -113,9 +112,9 @@ impl ShapeUse for Compare<'_, '_> {
             in_blocks,
             real_time,
         } = self;
-        // The tables that are in the unit, with room for as many history terms.
+        // The tables that are in the unit.
         let image = put.image.image()?;
-        let tables = image.tables::<C, A, MAX_PLAYS, MAX_SLOW_PARTS>()?;
+        let tables = image.tables::<C, A>()?;
         let progress = Progress::over_rows(put.log.rows() as u64);
         let done = |rows| progress.at(rows);
         let samples = put.samples::<C, A>();

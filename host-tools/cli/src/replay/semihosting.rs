@@ -40,10 +40,7 @@ struct MakeStreams<'a>(&'a Replay<'a>);
 impl TableUse for MakeStreams<'_> {
     type Output = Result<Streams>;
 
-    fn with<const C: usize, const A: usize, const PLAYS: usize, const SLOW: usize>(
-        self,
-        tables: &[Table<A, PLAYS, SLOW>; C],
-    ) -> Self::Output {
+    fn with<const C: usize, const A: usize>(self, tables: &[Table<A>; C]) -> Self::Output {
         let Self(put) = self;
         let mut host = tempco_replay::Replay::new(tables);
         let mut samples = Header::samples::<C, A>().encode().to_vec();

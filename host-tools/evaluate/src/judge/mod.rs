@@ -11,9 +11,9 @@
 mod bad_rows;
 mod merit;
 mod of_log;
+mod of_outliers;
 mod of_reading;
 mod of_remains;
-mod of_screening;
 mod of_set;
 mod of_signals;
 

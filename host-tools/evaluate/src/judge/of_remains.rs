@@ -94,7 +94,7 @@ pub(super) fn held_out(axis: &AxisSet) -> Option<Warning> {
 /// means, and much of what there was. What is known to be disturbed is said elsewhere.
 pub(super) fn above_noise(channel: &ChannelSet, axis: &AxisSet) -> Option<Warning> {
     let of = axis.statistics.filter(|of| of.n > 1)?;
-    let disturbed = channel.screening.iter().flat_map(|of| &of.disturbances);
+    let disturbed = channel.outliers.iter().flat_map(|of| &of.disturbances);
     if disturbed.into_iter().any(|of| of.axis == axis.name) {
         return None;
     }

@@ -7,9 +7,9 @@ use tempco_set::{
 
 use super::bad_rows;
 use super::merit::{Merit, no_better_than_none};
+use super::of_outliers;
 use super::of_reading;
 use super::of_remains;
-use super::of_screening;
 use super::of_signals;
 use crate::text::figure;
 
@@ -54,10 +54,10 @@ pub(super) fn judge(set: &CoefficientSet, judgement: &mut Judgement) {
         }
         judgement
             .rejections
-            .extend(of_screening::rejections(channel));
+            .extend(of_outliers::rejections(channel));
         let warnings = &mut judgement.warnings;
-        if let Some(screening) = &channel.screening {
-            of_screening::warn(channel, screening, warnings);
+        if let Some(outliers) = &channel.outliers {
+            of_outliers::warn(channel, outliers, warnings);
         }
         warn_of_terms(set.settings.model, channel, warnings);
         for segment in &channel.segments {
@@ -175,7 +175,8 @@ fn warn_of_axes(channel: &ChannelSet, with_rate: bool, warnings: &mut Vec<Warnin
                  error; dropped",
             ));
         }
-        if with_history && axis.gains.iter().all(|of| of.sigma == 0.0) {
+        let mut history = channel.history(axis);
+        if with_history && history.all(|(_, gain)| gain.sigma == 0.0) {
             warnings.push(Warning::of_axis(
                 WarningCode::HistoryTermsDropped,
                 &axis.name,

@@ -169,12 +169,6 @@ impl<'a> SamplePoints<'a> {
         &self.of_log[log]
     }
 
-    /// The lag-compensated temperature at which a log starts \[degC\]: with no rate yet, its temperature.
-    pub(crate) fn start_c(&self, log: usize) -> f32 {
-        let first = self.of_log[log].first();
-        first.map_or(0.0, |first| first.point.effective_c)
-    }
-
     pub(crate) fn logs(&self) -> usize {
         self.of_log.len()
     }

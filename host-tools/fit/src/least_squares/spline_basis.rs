@@ -1,8 +1,7 @@
 //! Regressors of the spline model: quadratic B-splines for the static part, straight lines or
 //! hats for the rate part, a constant per log.
 
-use tempco::Terms;
-use tempco_set::{Polynomial, Segment};
+use tempco_set::{COMPOSITE, Polynomial, Segment};
 
 /// The terms that an axis has beside its static part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -165,7 +164,7 @@ impl Basis {
 
     /// For each segment, the coefficients of its [`Polynomial`] as combinations of the columns: a
     /// quadratic is given by three places, a line by two.
-    pub(crate) fn polynomial_maps(&self) -> Vec<(Segment, [SparseRow; Terms::COUNT])> {
+    pub(crate) fn polynomial_maps(&self) -> Vec<(Segment, [SparseRow; COMPOSITE])> {
         let pairs = self.breakpoints_c.windows(2).enumerate();
         pairs
             .map(|(k, pair)| {

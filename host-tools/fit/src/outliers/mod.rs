@@ -12,7 +12,7 @@ mod steps;
 pub(crate) use spikes::{SpikeFilter, window_rows};
 
 use tempco::{TableError, ThermalSettings};
-use tempco_set::{Disturbance, Screening};
+use tempco_set::{Disturbance, Outliers};
 
 use crate::summary::ChannelData;
 
@@ -25,27 +25,27 @@ pub(crate) fn leave_out(
     data: &mut ChannelData,
     settings: &ThermalSettings,
     robust: bool,
-) -> Result<Screening, TableError> {
+) -> Result<Outliers, TableError> {
     let logs = || (0..data.logs.len()).map(|log| data.of(log));
-    let mut screening = Screening {
+    let mut outliers = Outliers {
         excluded_rows: logs().map(|log| log.excluded_rows).sum(),
         spike_rows: logs().map(|log| log.spike_rows).sum(),
         spikes: spikes(data),
-        ..Screening::default()
+        ..Outliers::default()
     };
     if robust || data.logs.len() > 1 {
         let found = disturbances::find(data, settings, robust)?;
-        screening.disturbed_rows = found.leave_out(data);
-        screening.disturbances = found.disturbances(data);
-        screening.steps = found.steps(data);
+        outliers.disturbed_rows = found.leave_out(data);
+        outliers.disturbances = found.disturbances(data);
+        outliers.steps = found.steps(data);
         data.offsets = found.offsets(data);
         data.moved = found.moved();
         if data.logs.len() > 1 {
-            screening.constants = found.constants();
-            data.constants.clone_from(&screening.constants);
+            outliers.constants = found.constants();
+            data.constants.clone_from(&outliers.constants);
         }
     }
-    Ok(screening)
+    Ok(outliers)
 }
 
 /// Where the spikes are, by log and axis.

@@ -79,7 +79,7 @@ pub(crate) fn fit(
         polynomials,
         sigmas,
         noises: vec![None; data.axes()],
-        history: Vec::new(),
+        lags: (0.0, 0.0),
         gains: vec![Vec::new(); data.axes()],
     })
 }

@@ -1,7 +1,7 @@
 //! The fit of one segment: which terms the data can tell apart, and their coefficients.
 
 use tempco::Terms;
-use tempco_set::Coverage;
+use tempco_set::{COMPOSITE, Coverage};
 use thiserror::Error;
 
 use crate::least_squares::{RFactor, Solution};
@@ -31,7 +31,7 @@ pub(crate) struct SegmentFit {
 /// Where some rows lie: means of the regressors `1, z, z^2, T', z T'`, and extremes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Place {
-    pub(crate) regressors: [f64; Terms::COUNT],
+    pub(crate) regressors: [f64; COMPOSITE],
     pub(crate) z_range: (f64, f64),
     pub(crate) rate_range: (f64, f64),
 }
@@ -59,7 +59,7 @@ pub(crate) struct SegmentRows {
 impl SegmentRows {
     pub(crate) fn new(axes: usize) -> Self {
         Self {
-            factor: RFactor::new(Terms::COUNT, axes),
+            factor: RFactor::new(COMPOSITE, axes),
             z_range: (f64::INFINITY, f64::NEG_INFINITY),
             rate_range: (f64::INFINITY, f64::NEG_INFINITY),
             time_s: 0.0,
@@ -171,7 +171,7 @@ mod tests {
             let bias = 1.0 + 2.0 * z - 0.5 * z * z + rate * (0.3 + 0.1 * z);
             segment.push(0.5, z, rate, std::iter::once(bias));
         }
-        segment.fit(Terms::COUNT, 60.0)
+        segment.fit(COMPOSITE, 60.0)
     }
 
     fn up_and_down(up: f64, down: f64) -> impl Iterator<Item = (f64, f64)> {

@@ -146,7 +146,7 @@ impl HeldOut {
                         polynomials,
                         overlap,
                     };
-                    let (fixed, per_rate) = model.at(piece, temp_c);
+                    let [fixed, per_rate, _] = model.at(piece, temp_c);
                     let error = blocks.levelled(axis, i) - fixed - per_rate * regressors.rates()[i];
                     held_out.squares[axis][fold] += block.weight * error * error;
                 }

@@ -1,6 +1,6 @@
 //! The spline model of a channel, fitted on the core's own regressors.
 
-use tempco::{Terms, ThermalPoint, ThermalSettings};
+use tempco::{PLAYS, Terms, ThermalPoint, ThermalSettings};
 use tempco_set::run::with_every_rate;
 use tempco_set::{
     CoefficientSigmas, GainSet, NoiseSet, Overlap, Segment, SegmentSet, Segmentation, TERMS,
@@ -12,7 +12,6 @@ use crate::least_squares::{Blocks, RateForm, SamplePoints};
 use crate::segments::solve::{LEAST_SPAN, Place, SegmentRows, Unfit};
 use crate::spline::candidate::Spline;
 use crate::spline::covariance::of_combinations;
-use crate::spline::history_terms::sample_history;
 use crate::spline::rows::Rows;
 use crate::spline::solve::{AxisSolution, solve_axes};
 use crate::summary::ChannelData;
@@ -31,11 +30,11 @@ pub(crate) fn fit(
     }: &Spline,
 ) -> Result<ChannelFit, FitError> {
     let rate = *rate;
-    let thermal = ThermalSettings {
+    let thermal = shape.settings(ThermalSettings {
         tau_s: lag.tau_s as f32,
         kappa: lag.kappa as f32,
         ..settings
-    };
+    });
     // The core runs over the samples at the chosen lag, with no limit on the rate. The limits
     // follow from what it finds.
     let open = with_every_rate(thermal).map_err(FitError::Settings)?;
@@ -44,11 +43,6 @@ pub(crate) fn fit(
     let samples = || {
         let all = blocks.blocks.iter();
         all.flat_map(|block| points.of_block(block).map(move |kept| (block.log, kept)))
-    };
-    // The largest value of a term in the kept rows.
-    let most = |values: &[Vec<f32>]| {
-        let of_kept = samples().map(|(log, kept)| values[log][kept.sample].abs());
-        of_kept.fold(0.0, f32::max)
     };
     let range = |figure: fn(&ThermalPoint) -> f32| {
         let figures = samples().map(|(_, kept)| figure(&kept.point));
@@ -80,11 +74,8 @@ pub(crate) fn fit(
     });
     let covered = coverage(timed, &pieces, calibrated_c)?;
     // Least squares over all axes: the static part, the rate terms, then the history terms.
-    let terms = shape.terms();
-    let basis = basis.with_history(terms.len());
-    let history = sample_history(&points, &terms);
-
-    let rows = Rows::new(&points, &blocks, &basis, &history);
+    let basis = basis.with_history(shape.terms().len());
+    let rows = Rows::new(&points, &blocks, &basis, shape);
     let (solutions, condition) = solve_axes(&rows, &blocks, &basis, axes).ok_or_else(unsolved)?;
     // Spline coefficients become a polynomial per segment, and their covariances sigmas.
     let maps = basis.polynomial_maps();
@@ -101,7 +92,7 @@ pub(crate) fn fit(
         let of_segment = maps.iter().map(|(_, rows)| {
             CoefficientSigmas::from_covariance(of_combinations(&covariance, rows))
         });
-        sigmas.push(of_segment.collect());
+        let mut of_segments: Vec<CoefficientSigmas> = of_segment.collect();
         noises.push(Some(NoiseSet {
             white: noise.white.sqrt(),
             walk: (3600.0 * noise.walk).sqrt(),
@@ -111,13 +102,30 @@ pub(crate) fn fit(
             gain: coefficients[column],
             sigma: covariance[(column, column)].max(0.0).sqrt(),
         });
-        gains.push(of_terms.collect());
+        let mut of_plays: Vec<GainSet> = of_terms.collect();
+        // The gain of the second lag is the same over the whole range.
+        let of_lag = shape
+            .tau2_s
+            .and_then(|_| of_plays.pop())
+            .unwrap_or_default();
+        if !of_plays.is_empty() {
+            of_plays.resize(PLAYS, GainSet::default());
+        }
+        gains.push(of_plays);
+        for sigmas in &mut of_segments {
+            sigmas.s[0] = of_lag.sigma;
+        }
+        sigmas.push(of_segments);
         // The splines add up to 1: the mean constant of the logs goes to all of them.
         let constant = blocks.mean(axis);
         for coefficient in &mut coefficients[..basis.static_columns()] {
             *coefficient += constant;
         }
-        polynomials.push(basis.polynomials(&coefficients));
+        let mut of_segments = basis.polynomials(&coefficients);
+        for polynomial in &mut of_segments {
+            polynomial.s[0] = of_lag.gain;
+        }
+        polynomials.push(of_segments);
     }
 
     // Without rate terms the set lists the static terms only.
@@ -138,17 +146,13 @@ pub(crate) fn fit(
         thermal,
         calibrated_c,
         rates: range(|point| point.rate_c_per_min),
+        lags: range(|point| point.lag2_c),
         segmentation: Segmentation::new(pieces)?,
         overlap: Overlap::Spline,
         segments,
         polynomials,
         sigmas,
         noises,
-        history: terms
-            .into_iter()
-            .zip(&history)
-            .map(|(term, values)| (term, most(values)))
-            .collect(),
         gains,
     })
 }

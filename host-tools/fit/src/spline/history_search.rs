@@ -4,10 +4,8 @@
 //! a few rows and columns: combinations are compared exhaustively, on all data and again without
 //! each fold.
 
-use tempco_set::Term;
-
 use crate::least_squares::Gram;
-use crate::spline::history_terms::Shape;
+use crate::spline::history_terms::{Shape, Term};
 use crate::spline::lag_search::log_likelihood;
 
 /// The narrowest play \[degC\].
@@ -20,7 +18,7 @@ const MOST_WIDTH: f64 = 0.3;
 /// bends the estimator's own lag, and costs accuracy after power-on.
 const LEAST_SLOWNESS: f64 = 3.0;
 
-/// The slowest part, and how many of its time constants a log must last.
+/// The slowest lag, and how many of its time constants a log must last.
 const MOST_TAU_S: f64 = 20_000.0;
 const TAUS_PER_LOG: f64 = 3.0;
 
@@ -41,7 +39,7 @@ const PLAYS_APART: f64 = 1.4;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Kind {
     pub(crate) plays: usize,
-    pub(crate) slow_part: bool,
+    pub(crate) second_lag: bool,
 }
 
 impl Kind {
@@ -57,8 +55,8 @@ impl Kind {
     /// What time constant and shift are searched with again.
     pub(crate) const USUAL: Self = Self::of(1, true);
 
-    const fn of(plays: usize, slow_part: bool) -> Self {
-        Self { plays, slow_part }
+    const fn of(plays: usize, second_lag: bool) -> Self {
+        Self { plays, second_lag }
     }
 }
 
@@ -90,7 +88,7 @@ impl Bounds {
             value > low * (1.0 + AT_END) && value < high * (1.0 - AT_END)
         };
         let mut widths = shape.half_widths_c.iter();
-        let mut taus = shape.slow_tau_s.iter().zip(self.tau_s);
+        let mut taus = shape.tau2_s.iter().zip(self.tau_s);
         widths.all(|&width| within(width, self.half_width_c))
             && taus.all(|(&tau_s, bounds)| within(tau_s, bounds))
     }
@@ -104,7 +102,7 @@ impl Bounds {
         let plays = over(self.half_width_c).map(|half_width_c| Term::Play { half_width_c });
         let slow = self.tau_s.into_iter().flat_map(over);
         plays
-            .chain(slow.map(|tau_s| Term::SlowPart { tau_s }))
+            .chain(slow.map(|tau2_s| Term::SecondLag { tau2_s }))
             .collect()
     }
 
@@ -124,10 +122,10 @@ impl Bounds {
         let plays = widths
             .into_iter()
             .map(|half_width_c| Term::Play { half_width_c });
-        let slow = shape.slow_tau_s.zip(self.tau_s).into_iter();
-        let slow = slow.flat_map(|(tau_s, bounds)| near(tau_s, bounds));
+        let slow = shape.tau2_s.zip(self.tau_s).into_iter();
+        let slow = slow.flat_map(|(tau2_s, bounds)| near(tau2_s, bounds));
         plays
-            .chain(slow.map(|tau_s| Term::SlowPart { tau_s }))
+            .chain(slow.map(|tau2_s| Term::SecondLag { tau2_s }))
             .collect()
     }
 }
@@ -153,7 +151,7 @@ pub(crate) fn best(reduced: &Gram, terms: &[Term], kind: Kind) -> Option<Vec<usi
                 .collect()
         }
     };
-    let slow: Vec<Option<usize>> = if kind.slow_part {
+    let slow: Vec<Option<usize>> = if kind.second_lag {
         slow.into_iter().map(Some).collect()
     } else {
         vec![None]

@@ -1,7 +1,7 @@
 //! Selects history terms by cross-validation over soaks and ramps.
 
 use tempco::TableError;
-use tempco_set::{Selection, Term};
+use tempco_set::Selection;
 
 use crate::least_squares::{Basis, Gram, RateForm};
 use crate::spline::breakpoints::Layout;
@@ -9,7 +9,7 @@ use crate::spline::candidate::{Choice, Spline, Tried};
 use crate::spline::cross_validation::HeldOut;
 use crate::spline::folds::Folds;
 use crate::spline::history_search::{Bounds, Kind, REFINEMENTS, best};
-use crate::spline::history_terms::{Shape, block_history, sort};
+use crate::spline::history_terms::{Shape, Term, block_history, sort};
 use crate::spline::lag_search::Search;
 use crate::spline::model_selection::Question;
 use crate::spline::regressors::{Lag, Regressors};
@@ -151,8 +151,7 @@ impl Question<'_> {
                 let candidate = &mut tried.candidate;
                 candidate.columns += shape.terms().len();
                 (candidate.tau_s, candidate.kappa) = (columns.lag.tau_s, columns.lag.kappa);
-                (candidate.half_widths_c, candidate.slow_tau_s) =
-                    (shape.half_widths_c, shape.slow_tau_s);
+                (candidate.half_widths_c, candidate.tau2_s) = (shape.half_widths_c, shape.tau2_s);
                 let axes = 0..self.blocks.axes();
                 candidate.rmse = axes
                     .map(|axis| tried.held_out.mean_square(axis).sqrt())

@@ -1,17 +1,25 @@
-//! Terms of the thermal history that the core can add to the table.
+//! Terms of the thermal history: plays and the second lag.
 //!
-//! Each is one column over the whole range, whose values come from the core's own
-//! [`HistoryState`]. A term depends on the lag-compensated temperature alone, so that terms are run one
-//! by one, whatever their number.
+//! Each is one column over the whole range, whose values the core computes. A play depends on the
+//! lag-compensated temperature alone and a second lag on the temperature alone, so that terms are
+//! run one by one, whatever their number.
 
-use tempco::{History, HistoryState, Interval, Play, SlowPart, Thermal, ThermalSettings};
-use tempco_set::Term;
+use tempco::{Interval, PLAYS, Play, SecondLag, Thermal, ThermalPoint, ThermalSettings};
 
-use crate::least_squares::{Blocks, SamplePoints};
+use crate::least_squares::Blocks;
 use crate::spline::regressors::Regressors;
 
 /// No lag is limited while fitting \[degC\].
 const NO_LIMIT_C: f32 = 1e3;
+
+/// A term of the history, all but its gains.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Term {
+    /// A play, with its half width \[degC\].
+    Play { half_width_c: f64 },
+    /// A second lag, with its time constant \[s\].
+    SecondLag { tau2_s: f64 },
+}
 
 /// Longest time constant of a thermal path \[s\]. Means over blocks are further apart than rows,
 /// and are run with the interval of such a path, to which they are no gap.
@@ -22,8 +30,8 @@ const LONGEST_TAU_S: f32 = 6000.0;
 pub(crate) struct Shape {
     /// Half widths of the plays, ascending \[degC\].
     pub(crate) half_widths_c: Vec<f64>,
-    /// Time constant of the second thermal lag \[s\].
-    pub(crate) slow_tau_s: Option<f64>,
+    /// Time constant of the second lag \[s\].
+    pub(crate) tau2_s: Option<f64>,
 }
 
 impl Shape {
@@ -32,26 +40,60 @@ impl Shape {
         for term in terms {
             match term {
                 Term::Play { half_width_c } => shape.half_widths_c.push(half_width_c),
-                Term::SlowPart { tau_s } => shape.slow_tau_s = Some(tau_s),
+                Term::SecondLag { tau2_s } => shape.tau2_s = Some(tau2_s),
             }
         }
         shape
     }
 
-    /// The terms in the order of their columns: plays first, as in the core.
+    /// The terms in the order of their columns: plays first.
     pub(crate) fn terms(&self) -> Vec<Term> {
         let widths = self.half_widths_c.iter();
         let plays = widths.map(|&half_width_c| Term::Play { half_width_c });
-        let slow = self.slow_tau_s.map(|tau_s| Term::SlowPart { tau_s });
-        plays.chain(slow).collect()
+        let lag = self.tau2_s.map(|tau2_s| Term::SecondLag { tau2_s });
+        plays.chain(lag).collect()
+    }
+
+    /// Settings of the core with these terms: `kappa` holds for the plays too, and no second lag
+    /// is limited.
+    pub(crate) fn settings(&self, of: ThermalSettings) -> ThermalSettings {
+        let half_width_c = |play: usize| self.half_widths_c.get(play).map_or(0.0, |&of| of as f32);
+        let limit_c = if self.tau2_s.is_some() {
+            NO_LIMIT_C
+        } else {
+            0.0
+        };
+        ThermalSettings {
+            half_width1_c: half_width_c(0),
+            half_width2_c: half_width_c(1),
+            play_kappa: if self.half_widths_c.is_empty() {
+                0.0
+            } else {
+                of.kappa
+            },
+            tau2_s: self.tau2_s.map_or(of.tau2_s, |tau2_s| tau2_s as f32),
+            lag2_min_c: -limit_c,
+            lag2_max_c: limit_c,
+            ..of
+        }
+    }
+
+    /// What the gain of each term multiplies at a point.
+    pub(crate) fn values(&self, point: &ThermalPoint) -> impl Iterator<Item = f64> {
+        let plays = point.plays_c.into_iter().take(self.half_widths_c.len());
+        plays
+            .chain(self.tau2_s.map(|_| point.lag2_c))
+            .map(f64::from)
     }
 }
+
+const _: () = assert!(PLAYS == 2, "the search looks for two plays at most");
 
 /// Puts plays first, each kind ascending.
 pub(crate) fn sort(terms: &mut [Term]) {
     let key = |term: &Term| match *term {
         Term::Play { half_width_c } => (0, half_width_c),
-        Term::SlowPart { tau_s } => (1, tau_s),
+        Term::SecondLag { tau2_s } => (1, tau2_s),
     };
     terms.sort_by(|a, b| {
         let (a, b) = (key(a), key(b));
@@ -59,45 +101,43 @@ pub(crate) fn sort(terms: &mut [Term]) {
     });
 }
 
-/// What the gain of the term multiplies, over a series of lag-compensated temperatures, each with the
-/// interval since the one before \[degC\].
+/// A block: its log, the time since the block before, its temperature and lag-compensated
+/// temperature.
+struct BlockPoint {
+    log: usize,
+    dt_s: f32,
+    temp_c: f32,
+    effective_c: f32,
+}
+
+/// What the gain of the term multiplies, over the blocks of a log \[degC\].
 ///
 /// # Panics
 /// If the core refuses the term.
-pub(crate) fn follow(
-    term: Term,
-    start_c: f32,
-    series: impl Iterator<Item = (Interval, f32)>,
-) -> Vec<f32> {
-    let checked = "the search stays within the core's bounds";
+fn follow(term: Term, log: &[BlockPoint]) -> Vec<f64> {
     match term {
         Term::Play { half_width_c } => {
-            let play = Play {
-                half_width_c: half_width_c as f32,
-                gain: [],
-            };
-            let history = History::<0, 1, 0>::new(0.0, [play], []).expect(checked);
-            let mut state = HistoryState::new(start_c);
-            series
-                .map(|(interval, u)| state.update(&history, &interval, u).plays_c[0])
-                .collect()
+            let mut play = Play::new(log[0].effective_c);
+            let follow = |block: &BlockPoint| play.follow(half_width_c as f32, block.effective_c);
+            log.iter().map(follow).map(f64::from).collect()
         }
-        Term::SlowPart { tau_s } => {
-            let part = SlowPart {
-                tau_s: tau_s as f32,
-                limit_c: NO_LIMIT_C,
-                gain: [],
+        Term::SecondLag { tau2_s } => {
+            let settings = ThermalSettings {
+                tau_s: LONGEST_TAU_S,
+                tau2_s: tau2_s as f32,
+                ..ThermalSettings::DEFAULT
             };
-            let history = History::<0, 0, 1>::new(0.0, [], [part]).expect(checked);
-            let mut state = HistoryState::new(start_c);
-            series
-                .map(|(interval, u)| state.update(&history, &interval, u).lags_c[0])
-                .collect()
+            let thermal =
+                Thermal::new(settings).expect("the search stays within the core's bounds");
+            let mut lag = SecondLag::new(log[0].temp_c);
+            let update =
+                |block: &BlockPoint| lag.update(&Interval::new(&thermal, block.dt_s), block.temp_c);
+            log.iter().map(update).map(f64::from).collect()
         }
     }
 }
 
-/// The values of each term, block by block, from the lag-compensated temperatures of the blocks.
+/// The values of each term, block by block.
 pub(crate) fn block_history(
     blocks: &Blocks,
     regressors: &Regressors,
@@ -107,43 +147,22 @@ pub(crate) fn block_history(
     if terms.is_empty() {
         return Vec::new();
     }
-    let settings = ThermalSettings {
-        tau_s: LONGEST_TAU_S,
-        ..ThermalSettings::DEFAULT
-    };
-    let thermal = Thermal::new(settings).expect("the default with another time constant");
-    let count = blocks.blocks.len();
-    let series: Vec<(usize, Interval, f32)> = (0..count)
-        .map(|i| {
-            let log = blocks.blocks[i].log;
-            let before = i.checked_sub(1).filter(|&b| blocks.blocks[b].log == log);
-            let dt_s = before.map_or(0.0, |b| blocks.blocks[i].time_s - blocks.blocks[b].time_s);
-            let interval = Interval::new(&thermal, dt_s as f32);
-            (log, interval, regressors.effective_c(i, kappa) as f32)
-        })
-        .collect();
-    let of_term = |term: &Term| {
-        let mut values = Vec::with_capacity(count);
-        for log in series.chunk_by(|a, b| a.0 == b.0) {
-            let points = log.iter().map(|&(_, interval, u)| (interval, u));
-            values.extend(follow(*term, log[0].2, points).into_iter().map(f64::from));
+    let point = |i: usize| {
+        let log = blocks.blocks[i].log;
+        let before = i.checked_sub(1).filter(|&b| blocks.blocks[b].log == log);
+        let dt_s = before.map_or(0.0, |b| blocks.blocks[i].time_s - blocks.blocks[b].time_s);
+        BlockPoint {
+            log,
+            dt_s: dt_s as f32,
+            temp_c: blocks.temp_c[i] as f32,
+            effective_c: regressors.effective_c(i, kappa) as f32,
         }
-        values
     };
-    terms.iter().map(of_term).collect()
-}
-
-/// The values of each term by log and sample.
-pub(crate) fn sample_history(points: &SamplePoints, terms: &[Term]) -> Vec<Vec<Vec<f32>>> {
-    let of_log = |term: &Term, log: usize| {
-        let series = points
-            .of_log(log)
-            .iter()
-            .map(|sample| (sample.interval, sample.point.effective_c));
-        follow(*term, points.start_c(log), series)
+    let points: Vec<BlockPoint> = (0..blocks.blocks.len()).map(point).collect();
+    let of_term = |&term: &Term| {
+        let logs = points.chunk_by(|a, b| a.log == b.log);
+        logs.flat_map(|log| follow(term, log)).collect()
     };
-    let logs = 0..points.logs();
-    let of_term = |term: &Term| logs.clone().map(|log| of_log(term, log)).collect();
     terms.iter().map(of_term).collect()
 }
 
@@ -152,46 +171,48 @@ mod tests {
     use super::*;
 
     #[test]
-    fn terms_come_in_the_order_of_the_core() {
+    fn terms_come_in_the_order_of_their_columns() {
         let shape = Shape {
             half_widths_c: vec![1.0, 3.0],
-            slow_tau_s: Some(5000.0),
+            tau2_s: Some(5000.0),
         };
         assert_eq!(Shape::of(shape.terms().into_iter()), shape);
-        assert_eq!(shape.terms()[2], Term::SlowPart { tau_s: 5000.0 });
+        assert_eq!(shape.terms()[2], Term::SecondLag { tau2_s: 5000.0 });
     }
 
-    /// One term by itself is what it is beside others in the core.
+    /// A term run by itself over blocks has the values that the core gives it among others.
     #[test]
     fn terms_do_not_know_of_each_other() {
-        let thermal = Thermal::new(ThermalSettings::DEFAULT).unwrap();
-        let interval = Interval::new(&thermal, 1.0);
-        let play = |half_width_c| Play {
-            half_width_c,
-            gain: [],
-        };
-        let part = SlowPart {
-            tau_s: 300.0,
-            limit_c: NO_LIMIT_C,
-            gain: [],
-        };
-        let history = History::<0, 2, 1>::new(60.0, [play(0.5), play(3.0)], [part]).unwrap();
-        let mut state = HistoryState::new(20.0);
         let shape = Shape {
             half_widths_c: vec![0.5, 3.0],
-            slow_tau_s: Some(300.0),
+            tau2_s: Some(300.0),
         };
-        let temps = || (0..2000).map(|i| 20.0 + 10.0 * (0.01 * i as f32).sin());
-        let series = || temps().map(|u| (interval, u));
-        let alone: Vec<Vec<f32>> = shape
-            .terms()
-            .iter()
-            .map(|&term| follow(term, 20.0, series()))
+        let settings = shape.settings(ThermalSettings {
+            kappa: 0.0,
+            ..ThermalSettings::DEFAULT
+        });
+        let thermal = Thermal::new(settings).unwrap();
+        let interval = Interval::new(&thermal, 1.0);
+        let mut state = tempco::ThermalState::new(&thermal);
+        state.start(&thermal, 20.0);
+        let temps = (0..2000).map(|i| 20.0 + 10.0 * (0.01 * i as f32).sin());
+        let points: Vec<ThermalPoint> = temps
+            .map(|t| state.update(&thermal, &interval, t))
             .collect();
-        for (i, u) in temps().enumerate() {
-            let point = state.update(&history, &interval, u);
-            assert_eq!([alone[0][i], alone[1][i]], point.plays_c);
-            assert_eq!([alone[2][i]], point.lags_c);
+        let temps = (0..2000).map(|i| 20.0 + 10.0 * (0.01 * i as f32).sin());
+        let block = |(i, temp_c): (usize, f32)| BlockPoint {
+            log: 0,
+            dt_s: if i == 0 { 0.0 } else { 1.0 },
+            temp_c,
+            effective_c: temp_c,
+        };
+        let blocks: Vec<BlockPoint> = temps.enumerate().map(block).collect();
+        let alone = shape.terms();
+        let alone: Vec<Vec<f64>> = alone.iter().map(|&term| follow(term, &blocks)).collect();
+        for (i, point) in points.iter().enumerate() {
+            for (alone, value) in alone.iter().zip(shape.values(point)) {
+                assert!((alone[i] - value).abs() < 1e-4, "{i}: {} {value}", alone[i]);
+            }
         }
         assert!(alone.iter().flatten().any(|value| *value > 0.4));
     }

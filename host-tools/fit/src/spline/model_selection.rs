@@ -67,7 +67,7 @@ impl Question<'_> {
         }
         self.drop_rates_that_do_not_help(&folds, &mut chosen)?;
         let selection = Selection {
-            legs: folds.soaks_and_ramps,
+            soaks_and_ramps: folds.soaks_and_ramps,
             folds: folds.count,
             ramp_rates_c_per_min: folds.ramp_rates,
             chosen: chosen.candidate,
@@ -108,7 +108,7 @@ impl Question<'_> {
             let left_out = chosen_rmse.filter(|chosen| is_free && *chosen >= constant);
             let excess = chosen.as_ref().map(|of| of.excess(&none, &[axis]));
             HeldOutErrors {
-                legs: folds.soaks_and_ramps,
+                soaks_and_ramps: folds.soaks_and_ramps,
                 folds: folds.count,
                 none: constant,
                 cubic: rmse(&cubic, axis),
@@ -385,7 +385,7 @@ fn candidate(
         tau_s: lag.tau_s,
         kappa: lag.kappa,
         half_widths_c: Vec::new(),
-        slow_tau_s: None,
+        tau2_s: None,
         rmse: (0..held_out.squares.len())
             .map(|axis| held_out.mean_square(axis).sqrt())
             .collect(),

@@ -1,6 +1,7 @@
 //! The rows of the final least squares.
 
 use crate::least_squares::{Basis, Blocks, RFactor, SamplePoints, SparseRow};
+use crate::spline::history_terms::Shape;
 
 /// The rows of the least squares of a spline: for each block, the mean of the basis over its samples.
 #[derive(Clone, Debug)]
@@ -13,13 +14,13 @@ pub(crate) struct Rows {
 }
 
 impl Rows {
-    /// Evaluates the basis at the core's points of every sample and takes means; `history` are
-    /// the values of the history terms, each by log and sample.
+    /// Evaluates the basis, with the history terms of `shape`, at the core's points of every sample
+    /// and takes means.
     pub(crate) fn new(
         points: &SamplePoints,
         blocks: &Blocks,
         basis: &Basis,
-        history: &[Vec<Vec<f32>>],
+        shape: &Shape,
     ) -> Self {
         let columns = basis.columns();
         let mut values = vec![0.0; columns * blocks.blocks.len()];
@@ -30,10 +31,7 @@ impl Rows {
                 let point = &kept.point;
                 let (temp_c, rate) = (point.effective_c.into(), point.rate_c_per_min.into());
                 basis.row(block.log, temp_c, rate, &mut entries);
-                let values = history
-                    .iter()
-                    .map(|state| state[block.log][kept.sample].into());
-                basis.push_history(values, &mut entries);
+                basis.push_history(shape.values(point), &mut entries);
                 for &(column, value) in &entries {
                     mean[column] += kept.rows / rows * value;
                 }

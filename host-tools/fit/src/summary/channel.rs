@@ -1,7 +1,7 @@
 //! One channel of a log on its way into a summary: core, spikes, grid.
 
-use tempco::{Thermal, ThermalState};
-use tempco_set::run::{IntervalCache, is_usable};
+use tempco::{Thermal, ThermalPoint, ThermalState};
+use tempco_set::run::{IntervalCache, Updates, is_usable, thermal_period_s};
 
 use crate::outliers::{SpikeFilter, window_rows};
 use crate::summary::block::Rows;
@@ -13,7 +13,10 @@ pub(super) struct ChannelSummariser<'a> {
     plan: &'a Plan,
     state: ThermalState,
     intervals: IntervalCache,
-    last_s: f64,
+    updates: Updates,
+    /// Where the last update left the core, and the temperature that it took.
+    point: ThermalPoint,
+    held_c: f32,
     window: Rows,
     /// A window that is done with, to be filled again.
     spare: Option<Rows>,
@@ -35,12 +38,14 @@ impl<'a> ChannelSummariser<'a> {
         let thermal = &plan.thermal;
         let window_rows = window_rows(interval_s);
         let mut state = ThermalState::new(thermal);
-        state.start(thermal, first_c);
+        let point = state.start(thermal, first_c);
         Self {
             plan,
             state,
             intervals: IntervalCache::new(thermal, interval_s as f32),
-            last_s: first_s - interval_s,
+            updates: Updates::new(first_s, interval_s, thermal_period_s(interval_s)),
+            point,
+            held_c: first_c,
             window: Rows::with_capacity(axes, window_rows),
             spare: None,
             window_rows,
@@ -73,30 +78,36 @@ impl<'a> ChannelSummariser<'a> {
         let thermal: &Thermal = &self.plan.thermal;
         let rows = &mut self.window;
         rows.time_s.extend_from_slice(time_s);
-        rows.temp_c.extend_from_slice(temp_c);
         let first = rows.effective_c.len();
+        rows.temp_c.resize(first + temp_c.len(), 0.0);
         rows.effective_c.resize(first + temp_c.len(), 0.0);
         rows.rate.resize(first + temp_c.len(), 0.0);
         rows.accepted.resize(first + temp_c.len(), false);
         let points = rows.effective_c[first..].iter_mut();
         let points = points
             .zip(&mut rows.rate[first..])
-            .zip(&mut rows.accepted[first..]);
+            .zip(&mut rows.accepted[first..])
+            .zip(&mut rows.temp_c[first..]);
         // The state is kept in registers.
-        let (mut state, mut intervals, mut last_s) = (self.state, self.intervals, self.last_s);
-        for ((&time_s, &temp_c), ((effective_c, rate), accepted)) in
+        let (mut state, mut intervals) = (self.state, self.intervals);
+        let (mut updates, mut point, mut held) = (self.updates, self.point, self.held_c);
+        for ((&time_s, &temp_c), (((effective_c, rate), accepted), held_c)) in
             time_s.iter().zip(temp_c).zip(points)
         {
-            let interval = intervals.of(thermal, (time_s - last_s) as f32);
-            last_s = time_s;
-            let point = state.update(thermal, &interval, temp_c);
+            if let Some(dt_s) = updates.due(time_s) {
+                let interval = intervals.of(thermal, dt_s);
+                point = state.update(thermal, &interval, temp_c);
+                held = temp_c;
+            }
+            *held_c = held;
             *effective_c = point.effective_c;
             *rate = point.rate_c_per_min;
             *accepted = is_usable(&point);
             self.unusable_rows += usize::from(!*accepted);
         }
         state.drop_tiny();
-        (self.state, self.intervals, self.last_s) = (state, intervals, last_s);
+        (self.state, self.intervals) = (state, intervals);
+        (self.updates, self.point, self.held_c) = (updates, point, held);
         rows.keep
             .extend_from_slice(&rows.accepted[rows.keep.len()..]);
         for stretch in &self.plan.exclude {

@@ -167,6 +167,13 @@ impl ChannelSummary {
             .map(|sample| sample.temp_c)
     }
 
+    /// Mean of all temperatures of a block, accepted or not \[degC\].
+    pub(crate) fn mean_c(&self, block: &Block) -> f64 {
+        let samples = &self.samples[block.samples.clone()];
+        let sum: f64 = samples.iter().map(|sample| f64::from(sample.temp_c)).sum();
+        sum / samples.len() as f64
+    }
+
     /// Length of a sample \[s\].
     fn sample_s(&self) -> f64 {
         self.block_s / f64::from(grid::SAMPLES_PER_BLOCK)

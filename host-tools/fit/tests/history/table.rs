@@ -3,7 +3,7 @@
 /// Serial number of the unit.
 pub const SERIAL: &str = "imported";
 /// CRC-32P4 over the numbers of the tables.
-pub const CRC: u32 = 0x480e1a58;
+pub const CRC: u32 = 0xc308f794;
 /// Temperature channels.
 pub const CHANNELS: usize = 1;
 /// Axes per channel.
@@ -15,13 +15,13 @@ pub const AXIS_UNITS: [[&str; AXES]; CHANNELS] = [["pulses_per_s", "pulses_per_s
 
 const CELLS_0: [[tempco::Terms; AXES]; 1] = [
     [
-        tempco::Terms { a: [0.04055, -0.1615, 0.09025], r: [0.0, 0.0] },
-        tempco::Terms { a: [-0.0086, 0.152, -0.361], r: [0.0, 0.0] },
+        tempco::Terms { a: [0.04055, -0.1615, 0.09025], r: [0.0, 0.0], s: [-0.0005, 0.0] },
+        tempco::Terms { a: [-0.0086, 0.152, -0.361], r: [0.0, 0.0], s: [1e-6, 0.0] },
     ],
 ];
 
 /// The tables, one per temperature channel.
-pub static TABLES: [tempco::Table<'static, AXES, 1, 1>; CHANNELS] = [
+pub static TABLES: [tempco::Table<'static, AXES>; CHANNELS] = [
     {
         const THERMAL: tempco::Thermal = match tempco::Thermal::new(tempco::ThermalSettings {
             sensor_min_c: -60.0,
@@ -35,16 +35,19 @@ pub static TABLES: [tempco::Table<'static, AXES, 1, 1>; CHANNELS] = [
             rate_min_c_per_min: 0.0,
             rate_max_c_per_min: 0.0,
             reference_c: 25.0,
+            tau2_s: 4500.0,
+            kappa2: 0.0,
+            lag2_min_c: -40.0,
+            lag2_max_c: 40.0,
+            half_width1_c: 2.5,
+            half_width2_c: 0.0,
+            play_kappa: 0.0,
+            play_kappa2: 0.0,
+            play_start_min: 0.0,
+            least_divisor: 0.0,
         }) { Ok(checked) => checked, Err(error) => panic!("{}", error.message()) };
         const WHOLE: tempco::Table<'static, AXES> = match tempco::Table::new(THERMAL, -15.0, 80.0, &CELLS_0) { Ok(checked) => checked, Err(error) => panic!("{}", error.message()) };
         const CALIBRATED: tempco::Table<'static, AXES> = match WHOLE.calibrated(-15.0, 80.0) { Ok(checked) => checked, Err(error) => panic!("{}", error.message()) };
-        match CALIBRATED.with_history(
-            [
-                tempco::Play { half_width_c: 2.5, gain: [0.004, -0.25] },
-            ],
-            [
-                tempco::SlowPart { tau_s: 4500.0, limit_c: 40.0, gain: [-0.0005, 1e-6] },
-            ],
-        ) { Ok(checked) => checked, Err(error) => panic!("{}", error.message()) }
+        match CALIBRATED.with_plays([[0.004, -0.25], [0.0, 0.0]]) { Ok(checked) => checked, Err(error) => panic!("{}", error.message()) }
     },
 ];

@@ -7,10 +7,7 @@ use std::sync::{Arc, Mutex};
 use std::thread;
 
 use tempco::{Schedule, Stream, Table, Terms, ThermalSettings};
-use tempco_image::{
-    AlignedBytes, CRC, Channel, ChannelHistory, Image, Info, MAX_PLAYS, MAX_SLOW_PARTS, Unit,
-    encode,
-};
+use tempco_image::{AlignedBytes, Axis, CRC, Channel, Image, Info, Unit, encode};
 use tempco_link::{
     Bank, ChannelTelemetry, FaultEntry, Handler, Losses, MAX_FAULTS, Outcome, OutcomeBlock,
     Refusal, Request, Response, Sample, SampleBlock, Server, Telemetry,
@@ -22,7 +19,7 @@ pub(crate) const SCHEDULE: Schedule = Schedule {
     samples_per_update: 200,
 };
 
-type Tables = [Table<'static, 3, MAX_PLAYS, MAX_SLOW_PARTS>; 1];
+type Tables = [Table<'static, 3>; 1];
 
 /// What the unit keeps when it is reset, and what a test may look at.
 #[derive(Debug, Default)]
@@ -63,8 +60,8 @@ struct Running {
     in_use: Option<usize>,
     tables: &'static Tables,
     table_crc: u32,
-    replay: Replay<'static, 1, 3, MAX_PLAYS, MAX_SLOW_PARTS>,
-    stream: Stream<'static, 1, 3, MAX_PLAYS, MAX_SLOW_PARTS>,
+    replay: Replay<'static, 1, 3>,
+    stream: Stream<'static, 1, 3>,
     upload: Vec<u8>,
     chunks: usize,
     answer: Vec<u8>,
@@ -378,14 +375,14 @@ pub(crate) fn image_in(unit: Unit, serial: &str, table_crc: u32, scale: f32) -> 
         last_edge_c: 80.0,
         t_min_c: -40.0,
         t_max_c: 80.0,
-        units: Unit::array(&[unit; 3]),
+        period_s: 0.0,
+        axes: Axis::array(&[Axis::new(unit); 3]),
         cells: &cells,
-        history: ChannelHistory::NONE,
     };
     let info = Info {
         serial,
         table_crc,
-        continuous: false,
+        ..Info::default()
     };
     let mut place = Box::new(AlignedBytes([0; 65_536]));
     let len = encode(&info, &[channel], &mut place.0).unwrap();

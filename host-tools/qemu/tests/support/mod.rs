@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
 use tempco::Table;
-use tempco_image::{Channel, ChannelHistory, Info, Unit, encode as encode_image};
+use tempco_image::{Axis, Channel, Info, Unit, encode as encode_image};
 use tempco_qemu::{Board, Workspace, build, ensure_qemu, ensure_target_of};
 use tempco_replay::{Header, Outcome, Record, Replay, Sample, Summary};
 
@@ -39,14 +39,14 @@ pub fn example_image() -> Vec<u8> {
         last_edge_c: 80.0,
         t_min_c: -15.0,
         t_max_c: 80.0,
-        units: Unit::array(&[Unit::PulsesPerS; 3]),
+        period_s: 0.0,
+        axes: Axis::array(&[Axis::new(Unit::PulsesPerS); 3]),
         cells: table.cells().as_flattened(),
-        history: ChannelHistory::NONE,
     };
     let info = Info {
         serial: example::SERIAL,
         table_crc: example::CRC,
-        continuous: false,
+        ..Info::default()
     };
     let mut image = vec![0; 16 * 1024];
     let len = encode_image(&info, &[channel], &mut image).unwrap();

@@ -121,7 +121,7 @@ pub(super) fn draw(
 fn static_curve(channel: &ChannelSet, number: usize) -> Vec<(f64, f64)> {
     let data = &channel.table;
     let cells = data.terms::<1>(number);
-    let Ok(table) = data.table_over(&cells) else {
+    let Ok(table) = data.table_over(number, &cells) else {
         return Vec::new();
     };
     let (low, high) = (data.t_min_c, data.t_max_c);

@@ -1,9 +1,8 @@
 //! The coefficients of a set, with their uncertainties.
 
 use maud::{Markup, html};
-use tempco::Terms;
 use tempco_evaluate::figure;
-use tempco_set::{CoefficientSet, CoefficientSigmas, LOCAL_TERMS};
+use tempco_set::{COMPOSITE, CoefficientSet, CoefficientSigmas, HistoryTerm, LOCAL_TERMS};
 
 use super::document::{axis_cell, cell, table};
 use super::tables::{axes, dash};
@@ -14,7 +13,7 @@ pub(super) fn coefficients(set: &CoefficientSet) -> Markup {
         for (position, segment) in channel.segments.iter().enumerate() {
             let polynomial = &axis.polynomials[position];
             let sigmas = axis.sigmas.get(position);
-            let sigmas = sigmas.map_or([0.0; Terms::COUNT], CoefficientSigmas::to_array);
+            let sigmas = sigmas.map_or([0.0; COMPOSITE], CoefficientSigmas::to_array);
             let mut row = vec![
                 axis_cell(&axis.name, axis.unit),
                 cell(format!("{:.2} to {:.2}", segment.t_min_c, segment.t_max_c)),
@@ -55,21 +54,17 @@ fn with_sigma(value: f64, sigma: f64) -> Markup {
 fn history(set: &CoefficientSet) -> Markup {
     let mut rows = Vec::new();
     for (channel, _, axis) in axes(set) {
-        let width = |width_c: f32| [cell("play"), cell(figure(width_c.into())), dash(), dash()];
-        let plays = channel.table.plays.iter();
-        let plays = plays.map(|play| (play.half_width_c > 0.0, width(play.half_width_c)));
-        let slow_parts = channel.table.slow_parts.iter().map(|part| {
-            let [tau, limit] = [part.tau_s, part.limit_c].map(|value| cell(figure(value.into())));
-            (
-                part.limit_c > 0.0,
-                [cell("second thermal lag"), dash(), tau, limit],
-            )
-        });
-        let terms = plays.chain(slow_parts).zip(&axis.gains);
-        // Of a channel that has fewer terms than another, some only make up the number.
-        for ((_, term), gain) in terms.filter(|((is_used, _), _)| *is_used) {
+        for (term, gain) in channel.history(axis) {
+            let number = |value: f32| cell(figure(value.into()));
             let mut row = vec![axis_cell(&axis.name, axis.unit)];
-            row.extend(term);
+            row.extend(match term {
+                HistoryTerm::Play { half_width_c } => {
+                    [cell("play"), number(half_width_c), dash(), dash()]
+                }
+                HistoryTerm::SecondLag { tau2_s, limit_c } => {
+                    [cell("second lag"), dash(), number(tau2_s), number(limit_c)]
+                }
+            });
             row.push(with_sigma(gain.gain, gain.sigma));
             rows.push(row);
         }
@@ -85,7 +80,7 @@ fn history(set: &CoefficientSet) -> Markup {
     html! {
         @if !rows.is_empty() {
             p { "Terms of the thermal history: gains in the unit of the axis per degC that the contact of a "
-                "play, of half width w, or the second thermal lag is behind the temperature, with 1 sigma for this "
+                "play, of half width w, or the second lag is behind the temperature, with 1 sigma for this "
                 "w or tau." }
             (table(&head, rows))
         }

@@ -89,10 +89,10 @@ fn settings(channel: &ChannelSet) -> Markup {
             dt { "Table" }
             dd { (table.cells.len()) " cells; " (format!("{:.3} %", 100.0 * channel.table_deviation))
                 " of the bias range from the segments at most" }
-            @if let Some(screening) = &channel.screening {
+            @if let Some(outliers) = &channel.outliers {
                 dt { "Left out" }
-                dd { (screening.excluded_rows) " rows by request, " (screening.spike_rows)
-                    " spikes, " (screening.disturbed_rows) " disturbed; " (screening.steps.len())
+                dd { (outliers.excluded_rows) " rows by request, " (outliers.spike_rows)
+                    " spikes, " (outliers.disturbed_rows) " disturbed; " (outliers.steps.len())
                     " steps of a bias found" }
             }
         }

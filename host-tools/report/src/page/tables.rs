@@ -168,7 +168,7 @@ pub(super) fn models(set: &CoefficientSet) -> Markup {
                 None => p { "This set was not fitted here: no errors on data left out are known." },
                 Some((_, first)) => {
                     p { "Root mean square errors of means over 10 s that were left out of the fit, in "
-                        (first.folds) " parts of " (first.legs) " soaks and ramps; the noise of the means "
+                        (first.folds) " parts of " (first.soaks_and_ramps) " soaks and ramps; the noise of the means "
                         "is in all of them." }
                     (held_out(&errors))
                 }

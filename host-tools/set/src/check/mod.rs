@@ -5,12 +5,11 @@ mod ranges;
 #[cfg(test)]
 mod tests;
 
-use tempco::{Table, Terms};
+use tempco::{PLAYS, Table, Terms};
 
-use crate::history::MOST;
 use crate::model::{AxisModel, horner};
 use crate::segment::Overlap;
-use crate::tabulate;
+use crate::tabulate::{self, Limits};
 use crate::{ChannelSet, CoefficientSet, FORMAT_VERSION, TableData, TableUse, use_axis};
 
 pub use ranges::SCALE_FACTORS_ARCSEC;
@@ -50,23 +49,13 @@ impl CoefficientSet {
                         channel.segments.len()
                     ));
                 }
-                let terms = channel.table.plays.len() + channel.table.slow_parts.len();
-                if axis.gains.len() != terms {
+                if ![0, PLAYS].contains(&axis.gains.len()) {
                     return Err(format!(
-                        "axis {} has {} gains for {terms} plays and second thermal lags",
+                        "axis {} has {} gains: expected {PLAYS}, or none without plays",
                         axis.name,
                         axis.gains.len()
                     ));
                 }
-            }
-            let history =
-                |channel: &ChannelSet| (channel.table.plays.len(), channel.table.slow_parts.len());
-            if history(channel) != history(&self.channels[0]) {
-                return Err(
-                    "the temperature channels have different numbers of plays or second \
-                            thermal lags"
-                        .to_owned(),
-                );
             }
             channel
                 .table
@@ -86,6 +75,15 @@ impl CoefficientSet {
         self.check_numbers()?;
         for (number, channel) in self.channels.iter().enumerate() {
             channel.check_agreement(&format!("channels[{number}]"), self.settings.overlap)?;
+        }
+        // What is left is a small change that no other rule finds.
+        let crc = self.polynomial_crc32();
+        if self.set_crc32 != format!("{crc:08x}") {
+            return Err(format!(
+                "the CRC of polynomials, scale factor and mapping is {crc:08x}, but the file says \
+                 {:?}: it was damaged or changed by hand",
+                self.set_crc32
+            ));
         }
         Ok(())
     }
@@ -113,11 +111,8 @@ impl ChannelSet {
             overlap,
         });
         let axes: Vec<AxisModel> = axes.collect();
-        let rates = (
-            f64::from(table.thermal.rate_min_c_per_min),
-            f64::from(table.thermal.rate_max_c_per_min),
-        );
-        let made = tabulate::in_cells(table.cells.len(), &segmentation, &axes, rates);
+        let limits = Limits::of(&table.thermal);
+        let made = tabulate::in_cells(table.cells.len(), &segmentation, &axes, &limits);
         if made.deviation > self.table_deviation + tabulate::TOLERANCE {
             return Err(format!(
                 "{key}.table_deviation is {:?}: expected {:.1e}, which {} cells are off the \
@@ -137,6 +132,7 @@ impl ChannelSet {
             same(&pairs, |terms| &terms.a, unit.symbol()).map_err(far)?;
             let per_rate = format!("{unit} per degC/min");
             same(&pairs, |terms| &terms.r, &per_rate).map_err(far)?;
+            same(&pairs, |terms| &terms.s, &format!("{unit} per degC")).map_err(far)?;
         }
         Ok(())
     }
@@ -148,19 +144,9 @@ impl TableData {
         if self.cells.iter().any(|cell| cell.len() != axes) {
             return Err(format!("a cell of the table does not have {axes} axes"));
         }
-        let (plays, slow_parts) = MOST;
-        if self.plays.len() > plays || self.slow_parts.len() > slow_parts {
+        if self.play_gains.len() != axes {
             return Err(format!(
-                "{} plays and {} second thermal lags: expected {plays} and {slow_parts} at most",
-                self.plays.len(),
-                self.slow_parts.len()
-            ));
-        }
-        let gains = self.plays.iter().map(|play| &play.gain);
-        let mut gains = gains.chain(self.slow_parts.iter().map(|part| &part.gain));
-        if gains.any(|gain| gain.len() != axes) {
-            return Err(format!(
-                "a play or second thermal lag does not have {axes} gains"
+                "a table does not have the gains of the plays of {axes} axes"
             ));
         }
         (0..axes)
@@ -174,11 +160,7 @@ struct Accept;
 impl TableUse for Accept {
     type Output = ();
 
-    fn with<const CHANNELS: usize, const AXES: usize, const PLAYS: usize, const SLOW: usize>(
-        self,
-        _: &[Table<AXES, PLAYS, SLOW>; CHANNELS],
-    ) {
-    }
+    fn with<const CHANNELS: usize, const AXES: usize>(self, _: &[Table<AXES>; CHANNELS]) {}
 }
 
 /// Compares cells, as found and as made of polynomials, by the polynomial that `part` takes of them.

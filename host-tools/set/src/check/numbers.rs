@@ -5,7 +5,7 @@ use super::ranges::{
 };
 use crate::{
     AxisSet, AxisStatistics, Candidate, ChannelSet, CoefficientSet, CoefficientSigmas,
-    HeldOutErrors, NoiseSet, Screening, SegmentSet, Selection,
+    HeldOutErrors, NoiseSet, Outliers, SegmentSet, Selection,
 };
 
 impl CoefficientSet {
@@ -14,6 +14,11 @@ impl CoefficientSet {
             let key = "settings.scale_factor_arcsec";
             within(key, scale_factor, SCALE_FACTORS_ARCSEC)?;
         }
+        within(
+            "settings.thermal_period_s",
+            self.settings.thermal_period_s,
+            AT_LEAST_0,
+        )?;
         for (number, input) in self.provenance.inputs.iter().enumerate() {
             let key = format!("provenance.inputs[{number}]");
             let times = [
@@ -52,8 +57,8 @@ impl ChannelSet {
         for (number, axis) in self.axes.iter().enumerate() {
             axis.check(&format!("{key}.axes[{number}]"), (self, number))?;
         }
-        if let Some(screening) = &self.screening {
-            screening.check(&format!("{key}.screening"))?;
+        if let Some(outliers) = &self.outliers {
+            outliers.check(&format!("{key}.outliers"))?;
         }
         if let Some(selection) = &self.selection {
             selection.check(&format!("{key}.selection"))?;
@@ -113,6 +118,7 @@ impl AxisSet {
             }
             all_in(&key, "a", &polynomial.a, &ANY)?;
             all_in(&key, "r", &polynomial.r, &ANY)?;
+            all_in(&key, "s", &polynomial.s, &ANY)?;
         }
         let (sigmas, segments) = (self.sigmas.len(), channel.segments.len());
         if sigmas != 0 && sigmas != segments {
@@ -142,13 +148,10 @@ impl AxisSet {
 
     /// The gains equal the table's, and there are as many.
     fn check_gains(&self, key: &str, (channel, axis): (&ChannelSet, usize)) -> Result<(), String> {
-        let table = &channel.table;
-        let of_table = table.plays.iter().map(|play| &play.gain);
-        let of_table = of_table.chain(table.slow_parts.iter().map(|part| &part.gain));
-        for (number, (gain, of_table)) in self.gains.iter().zip(of_table).enumerate() {
+        for (number, expected) in channel.table.play_gains[axis].into_iter().enumerate() {
             let key = format!("{key}.gains[{number}]");
+            let gain = self.gains.get(number).copied().unwrap_or_default();
             within(format_args!("{key}.sigma"), gain.sigma, AT_LEAST_0)?;
-            let expected = of_table[axis];
             if gain.gain as f32 != expected {
                 return Err(format!(
                     "{key}.gain is {:?}: expected {expected:?}, the gain in the table",
@@ -164,6 +167,7 @@ impl CoefficientSigmas {
     fn check(&self, key: &str) -> Result<(), String> {
         all_in(key, "a", &self.a, &AT_LEAST_0)?;
         all_in(key, "r", &self.r, &AT_LEAST_0)?;
+        all_in(key, "s", &self.s, &AT_LEAST_0)?;
         let rows = self.correlation.iter();
         rows.enumerate().try_for_each(|(row, values)| {
             all_in(key, &format!("correlation[{row}]"), values, &(-ONE..=ONE))
@@ -206,7 +210,7 @@ impl AxisStatistics {
     }
 }
 
-impl Screening {
+impl Outliers {
     fn check(&self, key: &str) -> Result<(), String> {
         for (number, step) in self.steps.iter().enumerate() {
             let step_key = format!("{key}.steps[{number}]");
@@ -265,7 +269,7 @@ impl Candidate {
     fn check(&self, key: &str) -> Result<(), String> {
         let sizes = [
             ("tau_s", self.tau_s),
-            ("slow_tau_s", self.slow_tau_s.unwrap_or(0.0)),
+            ("tau2_s", self.tau2_s.unwrap_or(0.0)),
             ("excess_sigma", self.excess_sigma),
         ];
         all_within(key, &sizes, &AT_LEAST_0)?;

@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use tempco_log::signals::{Fault, Finding};
 
 use crate::import::static_coefficients;
-use crate::{CoefficientSet, Coverage, GainSet, NoiseSet, PlayData, SignOff};
+use crate::{CoefficientSet, Coverage, GainSet, NoiseSet, SignOff};
 
 const PRINTED: &str = "gyro,segment,temp_min_c,temp_max_c,a0_pulses,a1_pulses_per_c,a2_pulses_per_c2\n\
      X,1,-15,40,0.0173,-0.0014,0.00001\nX,2,30,80,0.0173,-0.0014,0.00002\n";
@@ -42,25 +42,21 @@ fn example() -> Value {
         rate_max_c_per_min: 1.0,
         rate_independent_c_per_min: 0.5,
     });
-    channel.table.plays = vec![PlayData {
-        half_width_c: 2.5,
-        gain: vec![0.1],
-    }];
+    channel.table.thermal.half_width1_c = 2.5;
+    channel.table.play_gains = vec![[0.1, 0.0]];
     let axis = &mut channel.axes[0];
-    axis.gains = vec![GainSet {
-        gain: 0.1,
-        sigma: 0.01,
-    }];
+    let gain = |gain, sigma| GainSet { gain, sigma };
+    axis.gains = vec![gain(0.1, 0.01), gain(0.0, 0.0)];
     axis.noise = Some(NoiseSet {
         white: 0.1,
         walk: 0.2,
     });
-    set.table_crc32 = format!("{:08x}", set.crc32());
+    set.seal();
     let mut value = serde_json::to_value(&set).unwrap();
     let axis = &mut value["channels"][0]["axes"][0];
-    let sigmas = json!({"a": [0.1, 0.1, 0.1], "r": [0.0, 0.0]});
+    let sigmas = json!({"a": [0.1, 0.1, 0.1], "r": [0.0, 0.0], "s": [0.0, 0.0]});
     axis["sigmas"] = json!([sigmas, sigmas]);
-    axis["held_out"] = json!({"legs": 1, "folds": 1, "none": 1.0, "cubic": 1.0, "static": 1.0,
+    axis["held_out"] = json!({"soaks_and_ramps": 1, "folds": 1, "none": 1.0, "cubic": 1.0, "static": 1.0,
         "composite": 1.0, "chosen": 1.0, "excess_sigma": 0.1, "left_out": 1.0});
     axis["reference_c"] = json!(25.0);
     axis["statistics"] = json!({"rows": 1, "rmse_raw": 1.0, "rmse_cubic": 1.0,
@@ -68,12 +64,12 @@ fn example() -> Value {
         "sigma_compensated": 1.0, "serial_factor": 1.0});
     let candidate = json!({"model": "spline", "segments": 1, "place": "given",
         "rate_columns": 1, "columns": 1, "tau_s": 60.0, "kappa": -1.0, "half_widths_c": [1.0],
-        "slow_tau_s": 900.0, "rmse": [1.0], "excess": -0.5, "excess_sigma": 0.1});
+        "tau2_s": 900.0, "rmse": [1.0], "excess": -0.5, "excess_sigma": 0.1});
     let channel = &mut value["channels"][0];
-    channel["screening"] = json!({"excluded_rows": 0, "spike_rows": 0, "disturbed_rows": 0,
+    channel["outliers"] = json!({"excluded_rows": 0, "spike_rows": 0, "disturbed_rows": 0,
         "steps": [{"file": "", "axis": "x", "time_s": 1.0, "size": -1.0}],
         "constants": [[-0.5], [0.5]]});
-    channel["selection"] = json!({"legs": 1, "folds": 1, "ramp_rates_c_per_min": [1.0],
+    channel["selection"] = json!({"soaks_and_ramps": 1, "folds": 1, "ramp_rates_c_per_min": [1.0],
         "chosen": candidate, "others": [candidate]});
     value
 }
@@ -169,7 +165,7 @@ fn the_key_and_what_was_expected_are_named() {
 
 #[test]
 fn polynomials_that_contradict_the_table_are_refused_by_axis_and_cell() {
-    for (part, place) in [("a", 0), ("a", 2), ("r", 0), ("r", 1)] {
+    for (part, place) in [("a", 0), ("a", 2), ("r", 0), ("r", 1), ("s", 0)] {
         let mut bad = example();
         let polynomial = &mut bad["channels"][0]["axes"][0]["polynomials"][1];
         let number = &mut polynomial[part][place];
@@ -181,9 +177,19 @@ fn polynomials_that_contradict_the_table_are_refused_by_axis_and_cell() {
         );
         assert!(error.contains("pulses/s"), "{error}");
     }
-    // Rounding is not a contradiction.
-    let mut good = example();
-    let number = &mut good["channels"][0]["axes"][0]["polynomials"][1]["a"][0];
-    *number = (number.as_f64().unwrap() * (1.0 + 1e-8)).into();
-    read(&good).unwrap();
+}
+
+/// Rounding is not a contradiction, and so is left to the CRC.
+#[test]
+fn small_changes_are_found_by_the_crc() {
+    for (at, factor) in [
+        ("/channels/0/axes/0/polynomials/1/a/0", 1.0 + 1e-8),
+        ("/settings/scale_factor_arcsec", 2.0),
+    ] {
+        let mut bad = example();
+        let number = bad.pointer_mut(at).unwrap();
+        *number = (number.as_f64().unwrap() * factor).into();
+        let error = read(&bad).unwrap_err();
+        assert!(error.contains("polynomials, scale factor"), "{error}");
+    }
 }

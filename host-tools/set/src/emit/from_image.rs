@@ -5,10 +5,7 @@ use tempco_log::{AxisUnit, Log};
 
 use crate::build;
 use crate::segment::Overlap;
-use crate::{
-    AxisSet, ChannelSet, CoefficientSet, Model, PlayData, Provenance, Settings, SlowPartData,
-    TableData,
-};
+use crate::{AxisSet, ChannelSet, CoefficientSet, Model, Provenance, Settings, TableData};
 
 fn axis_unit(unit: Unit) -> AxisUnit {
     match unit {
@@ -44,15 +41,15 @@ pub fn set_of_image(image: &Image, log: &Log) -> Result<CoefficientSet, String> 
     }
     let channels = log.channels.iter().enumerate().map(|(number, of_log)| {
         let channel = image.channel(number).map_err(explain)?;
-        let axes = of_log.axes.iter().zip(channel.units.into_iter().flatten());
-        let axes = axes.map(|(axis, unit)| {
-            let unit = axis_unit(unit);
+        let axes = of_log.axes.iter().zip(channel.axes.iter().flatten());
+        let axes = axes.map(|(axis, of_image)| {
+            let unit = axis_unit(of_image.unit);
             if axis.unit == unit {
                 Ok(axis_set(&axis.name, unit))
             } else {
                 Err(format!(
-                    "{}: axis `{}` is in {}, but the image expects {} (an image has no scale \
-                     factor: --scale-factor turns pulses into angles)",
+                    "{}: axis `{}` is in {}, but the image expects {} (--scale-factor turns pulses \
+                     into angles)",
                     log.file,
                     axis.name,
                     axis.unit.name(),
@@ -67,10 +64,14 @@ pub fn set_of_image(image: &Image, log: &Log) -> Result<CoefficientSet, String> 
             table: table_data(&channel),
             table_deviation: 0.0,
             boundary_moved_c: 0.0,
-            screening: None,
+            outliers: None,
             selection: None,
         })
     });
+    let channels = channels.collect::<Result<_, String>>()?;
+    let periods_s =
+        (0..image.channels()).filter_map(|number| Some(image.channel(number).ok()?.period_s));
+    let thermal_period_s = periods_s.fold(0.0, f32::max).into();
     // What only a fit knows stays empty.
     let set = build::set(
         image.info().serial.to_owned(),
@@ -83,8 +84,9 @@ pub fn set_of_image(image: &Image, log: &Log) -> Result<CoefficientSet, String> 
             model: Model::Composite,
             overlap: Overlap::None,
             scale_factor_arcsec: None,
+            thermal_period_s,
         },
-        channels.collect::<Result<_, String>>()?,
+        channels,
     );
     // The numbers must be those that the image was written with.
     let table_crc = image.info().table_crc;
@@ -114,7 +116,6 @@ fn axis_set(name: &str, unit: AxisUnit) -> AxisSet {
 }
 
 fn table_data(channel: &Channel) -> TableData {
-    let axes = channel.axes();
     TableData {
         thermal: channel.thermal,
         first_edge_c: channel.first_edge_c,
@@ -123,25 +124,14 @@ fn table_data(channel: &Channel) -> TableData {
         t_max_c: channel.t_max_c,
         cells: channel
             .cells
-            .chunks_exact(axes)
+            .chunks_exact(channel.axis_count())
             .map(<[_]>::to_vec)
             .collect(),
-        plays: channel
-            .history
-            .plays()
-            .map(|play| PlayData {
-                half_width_c: play.half_width_c,
-                gain: play.gain[..axes].to_vec(),
-            })
-            .collect(),
-        slow_parts: channel
-            .history
-            .slow_parts()
-            .map(|part| SlowPartData {
-                tau_s: part.tau_s,
-                limit_c: part.limit_c,
-                gain: part.gain[..axes].to_vec(),
-            })
+        play_gains: channel
+            .axes
+            .iter()
+            .flatten()
+            .map(|axis| axis.play_gains)
             .collect(),
     }
 }

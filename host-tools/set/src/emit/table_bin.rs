@@ -1,15 +1,10 @@
 //! The set as a flash image, `table.bin`; its layout is in `docs/flash-image.md`.
 
-use tempco::{MAX_AXES, Play, SlowPart, Terms};
-use tempco_image::{
-    AlignedBytes, Channel, ChannelHistory, Image, ImageError, Info, Unit, encode, encoded_len,
-};
+use tempco::{MAX_AXES, Terms};
+use tempco_image::{AlignedBytes, Axis, Channel, Image, ImageError, Info, MAX_LEN, Unit, encode};
 use tempco_log::AxisUnit;
 
-use crate::{ChannelSet, CoefficientSet, TableData};
-
-/// Most bytes of an image: six axes of the most cells, each its own channel, with room for heads.
-const MOST_BYTES: usize = 6 * (100 + size_of::<Terms>() * tempco::MAX_CELLS) + 256;
+use crate::{ChannelSet, CoefficientSet};
 
 const fn code(unit: AxisUnit) -> Unit {
     match unit {
@@ -22,30 +17,20 @@ const fn code(unit: AxisUnit) -> Unit {
     }
 }
 
-fn history(table: &TableData) -> Result<ChannelHistory, ImageError> {
-    let plays: Vec<Play<MAX_AXES>> = table
-        .plays
-        .iter()
-        .map(|play| Play {
-            half_width_c: play.half_width_c,
-            gain: gains(&play.gain),
+/// The axes of a channel as an image records them.
+pub(super) fn axes(set: &CoefficientSet, channel: &ChannelSet) -> [Option<Axis>; MAX_AXES] {
+    let record = |number: usize| {
+        let axis = channel.axes.get(number)?;
+        // A rate in pulses has no scale factor, nor has an acceleration.
+        let is_angle = matches!(axis.unit, AxisUnit::Dph | AxisUnit::Dps | AxisUnit::Radps);
+        let scale_factor = set.settings.scale_factor_arcsec.filter(|_| is_angle);
+        Some(Axis {
+            scale_factor_arcsec: scale_factor.unwrap_or(0.0) as f32,
+            play_gains: channel.table.play_gains[number],
+            ..Axis::new(code(axis.unit))
         })
-        .collect();
-    let slow_parts: Vec<SlowPart<MAX_AXES>> = table
-        .slow_parts
-        .iter()
-        .map(|part| SlowPart {
-            tau_s: part.tau_s,
-            limit_c: part.limit_c,
-            gain: gains(&part.gain),
-        })
-        .collect();
-    ChannelHistory::new(&plays, &slow_parts)
-}
-
-/// Gains of as many axes as there can be: those there are, then 0.
-pub(super) fn gains(of_axes: &[f32]) -> [f32; MAX_AXES] {
-    std::array::from_fn(|axis| of_axes.get(axis).copied().unwrap_or(0.0))
+    };
+    std::array::from_fn(record)
 }
 
 /// The tables of a set as an image that its reader accepts; marked as continuous where no table
@@ -67,32 +52,25 @@ pub fn table_bin(set: &CoefficientSet) -> Result<Vec<u8>, String> {
         ),
         other => format!("table.bin: {other}"),
     };
-    let channels: Vec<Channel> = set
-        .channels
-        .iter()
-        .zip(&cells)
-        .map(|(channel, cells)| {
-            let units: Vec<Unit> = channel.axes.iter().map(|axis| code(axis.unit)).collect();
-            Ok(Channel {
-                thermal: channel.table.thermal,
-                first_edge_c: channel.table.first_edge_c,
-                last_edge_c: channel.table.last_edge_c,
-                t_min_c: channel.table.t_min_c,
-                t_max_c: channel.table.t_max_c,
-                units: Unit::array(&units),
-                cells,
-                history: history(&channel.table)?,
-            })
-        })
-        .collect::<Result<_, _>>()
-        .map_err(explain)?;
+    let channels = set.channels.iter().zip(&cells);
+    let channels = channels.map(|(channel, cells)| Channel {
+        thermal: channel.table.thermal,
+        first_edge_c: channel.table.first_edge_c,
+        last_edge_c: channel.table.last_edge_c,
+        t_min_c: channel.table.t_min_c,
+        t_max_c: channel.table.t_max_c,
+        period_s: set.settings.thermal_period_s as f32,
+        axes: axes(set, channel),
+        cells,
+    });
+    let channels: Vec<Channel> = channels.collect();
     let info = Info {
         serial: &set.serial,
         table_crc: set.crc32(),
         continuous: channels.iter().all(|channel| channel.jump().is_none()),
+        ..Info::default()
     };
-    let mut image = Box::new(AlignedBytes([0; MOST_BYTES]));
-    debug_assert!(encoded_len(&channels) <= MOST_BYTES);
+    let mut image = Box::new(AlignedBytes([0; MAX_LEN]));
     let len = encode(&info, &channels, &mut image.0).map_err(explain)?;
     let image = &image.0[..len];
     let read = Image::read(image).and_then(|read| read.validate());
@@ -102,7 +80,7 @@ pub fn table_bin(set: &CoefficientSet) -> Result<Vec<u8>, String> {
 
 /// Whether bytes are an image of the tables of a set, of whatever version.
 pub(crate) fn is_of(set: &CoefficientSet, bytes: &[u8]) -> bool {
-    let mut place = Box::new(AlignedBytes([0; MOST_BYTES]));
+    let mut place = Box::new(AlignedBytes([0; MAX_LEN]));
     let Some(start) = place.0.get_mut(..bytes.len()) else {
         return false;
     };
@@ -110,15 +88,18 @@ pub(crate) fn is_of(set: &CoefficientSet, bytes: &[u8]) -> bool {
     let Ok(image) = Image::read(start).and_then(|image| image.validate().map(|()| image)) else {
         return false;
     };
-    let units = |(number, channel): (usize, &ChannelSet)| {
-        let units: Vec<Unit> = channel.axes.iter().map(|axis| code(axis.unit)).collect();
+    let units = |axes: &[Option<Axis>]| -> Vec<Unit> {
+        axes.iter().flatten().map(|axis| axis.unit).collect()
+    };
+    let has_units = |(number, channel): (usize, &ChannelSet)| {
+        let expected = units(&axes(set, channel));
         image
             .channel(number)
-            .is_ok_and(|found| found.units == Unit::array(&units))
+            .is_ok_and(|found| units(&found.axes) == expected)
     };
     let info = image.info();
     info.serial == set.serial
         && info.table_crc == set.crc32()
         && image.channels() == set.channels.len()
-        && set.channels.iter().enumerate().all(units)
+        && set.channels.iter().enumerate().all(has_units)
 }

@@ -2,9 +2,9 @@
 
 use std::fmt::Write as _;
 
-use tempco::{MAX_AXES, Terms, ThermalSettings};
+use tempco::{MAX_AXES, PLAYS, Terms, ThermalSettings};
 
-use super::table_bin::gains;
+use super::table_bin::axes;
 use crate::escape::{c_literal, comment};
 use crate::{ChannelSet, CoefficientSet};
 
@@ -13,30 +13,26 @@ const TYPES: &str = r#"#ifndef TEMPCO_TABLE_TYPES
 #define TEMPCO_TABLE_TYPES
 
 /* Coefficients of one axis in one cell, lowest power first, with z from 0 at the cold edge of the
-   cell to 1 at its hot edge: bias = a[0] + a[1] z + a[2] z^2 + rate (r[0] + r[1] z). */
+   cell to 1 at its hot edge: bias = a[0] + a[1] z + a[2] z^2 + rate (r[0] + r[1] z)
+   + lag2 (s[0] + s[1] z). */
 typedef struct {
     float a[STATIC]; /* unit of the axis */
     float r[RATE]; /* unit of the axis per degC/min */
+    float s[LAG]; /* unit of the axis per degC */
 } tempco_terms_t;
 
 /* Settings of the thermal path. */
 typedef struct {
     SETTINGS} tempco_thermal_t;
 
-/* A hysteresis term: a contact c follows the lag-compensated temperature u at a distance of
-   half_width_c at most; bias += gain (u - c). */
+/* One axis; a number that is not known or not used is 0. */
 typedef struct {
-    float half_width_c;
-    float gain[GAINS]; /* of each axis, then 0; unit of the axis per degC */
-} tempco_play_t;
-
-/* A second thermal lag: s follows u with time constant tau_s;
-   bias += gain (u - s), with u - s from -limit_c to limit_c. */
-typedef struct {
-    float tau_s;
-    float limit_c;
-    float gain[GAINS]; /* of each axis, then 0; unit of the axis per degC */
-} tempco_slow_part_t;
+    float scale_factor_arcsec; /* per pulse */
+    float row_noise; /* standard deviation of fitted rows; unit of the axis */
+    float row_noise_interval_s;
+    float rezero_limit; /* unit of the axis */
+    float play_gains[PLAYS]; /* unit of the axis per degC */
+} tempco_axis_t;
 
 /* One temperature channel. */
 typedef struct {
@@ -45,12 +41,10 @@ typedef struct {
     float last_edge_c;  /* hot edge of the last cell; all cells have the same width */
     float t_min_c;      /* calibrated range, to which temperatures are clamped */
     float t_max_c;
+    float period_s; /* time between two temperatures of the fit; 0: not known */
     uint32_t cell_count;
+    tempco_axis_t axes[AXES]; /* those there are, then zeros */
     const tempco_terms_t *cells; /* all axes of the coldest cell, then all of the next */
-    uint32_t play_count;
-    const tempco_play_t *plays; /* null where there are none */
-    uint32_t slow_part_count;
-    const tempco_slow_part_t *slow_parts; /* null where there are none */
 } tempco_channel_t;
 
 #endif
@@ -80,8 +74,10 @@ fn write_table_h(out: &mut String, set: &CoefficientSet) -> std::fmt::Result {
     let types = TYPES
         .replace("STATIC", &Terms::STATIC.to_string())
         .replace("RATE", &Terms::RATE.to_string())
+        .replace("LAG", &Terms::LAG.to_string())
+        .replace("PLAYS", &PLAYS.to_string())
         .replace("SETTINGS", &fields.join("    "))
-        .replace("GAINS", &MAX_AXES.to_string());
+        .replace("AXES", &MAX_AXES.to_string());
     writeln!(out, "{types}")?;
     let [serial, crc] = heading(set);
     writeln!(out, "{serial}\n{crc}")?;
@@ -93,14 +89,13 @@ fn write_table_h(out: &mut String, set: &CoefficientSet) -> std::fmt::Result {
         }
         writeln!(out)?;
         write_cells(out, number, channel)?;
-        write_history(out, number, channel)?;
     }
     writeln!(
         out,
         "static const tempco_channel_t tempco_channels[TEMPCO_CHANNELS] = {{"
     )?;
     for (number, channel) in channels.iter().enumerate() {
-        write_channel(out, number, channel)?;
+        write_channel(out, number, set, channel)?;
     }
     writeln!(out, "}};\n\n#endif")
 }
@@ -138,42 +133,10 @@ fn write_cells(out: &mut String, number: usize, channel: &ChannelSet) -> std::fm
         cells.len()
     )?;
     for terms in cells.iter().flatten() {
-        let [a, r] = [&terms.a[..], &terms.r].map(floats);
-        writeln!(out, "    {{{{{a}}}, {{{r}}}}},")?;
+        let [a, r, s] = [&terms.a[..], &terms.r, &terms.s].map(floats);
+        writeln!(out, "    {{{{{a}}}, {{{r}}}, {{{s}}}}},")?;
     }
     writeln!(out, "}};\n")
-}
-
-/// The history terms; nothing where there are none, as C99 has no arrays without elements.
-fn write_history(out: &mut String, number: usize, channel: &ChannelSet) -> std::fmt::Result {
-    let table = &channel.table;
-    let plays = table
-        .plays
-        .iter()
-        .map(|play| (vec![play.half_width_c], gains(&play.gain)));
-    let slow_parts = table
-        .slow_parts
-        .iter()
-        .map(|part| (vec![part.tau_s, part.limit_c], gains(&part.gain)));
-    for (name, terms) in [
-        ("play", plays.collect::<Vec<_>>()),
-        ("slow_part", slow_parts.collect()),
-    ] {
-        if terms.is_empty() {
-            continue;
-        }
-        let count = terms.len();
-        writeln!(
-            out,
-            "static const tempco_{name}_t tempco_{name}s_{number}[{count}] = {{"
-        )?;
-        for (settings, gains) in terms {
-            let [settings, gains] = [&settings[..], &gains].map(floats);
-            writeln!(out, "    {{{settings}, {{{gains}}}}},")?;
-        }
-        writeln!(out, "}};\n")?;
-    }
-    Ok(())
 }
 
 /// Float literals.
@@ -182,15 +145,12 @@ fn floats(values: &[f32]) -> String {
     literals.join(", ")
 }
 
-/// The number of history terms and where they are.
-fn pointer(name: &str, number: usize, count: usize) -> String {
-    match count {
-        0 => "0, 0".to_owned(),
-        _ => format!("{count}, tempco_{name}_{number}"),
-    }
-}
-
-fn write_channel(out: &mut String, number: usize, channel: &ChannelSet) -> std::fmt::Result {
+fn write_channel(
+    out: &mut String,
+    number: usize,
+    set: &CoefficientSet,
+    channel: &ChannelSet,
+) -> std::fmt::Result {
     let table = &channel.table;
     writeln!(out, "    {{\n        {{")?;
     for (name, value) in ThermalSettings::NAMES.iter().zip(table.thermal.to_array()) {
@@ -202,13 +162,19 @@ fn write_channel(out: &mut String, number: usize, channel: &ChannelSet) -> std::
         table.last_edge_c,
         table.t_min_c,
         table.t_max_c,
+        set.settings.thermal_period_s as f32,
     ];
-    writeln!(
-        out,
-        "        {},\n        {}, tempco_cells_{number},\n        {},\n        {},\n    }},",
-        floats(&temps),
-        table.cells.len(),
-        pointer("plays", number, table.plays.len()),
-        pointer("slow_parts", number, table.slow_parts.len()),
-    )
+    writeln!(out, "        {},", floats(&temps))?;
+    writeln!(out, "        {},\n        {{", table.cells.len())?;
+    for axis in axes(set, channel).iter().flatten() {
+        let numbers = [
+            axis.scale_factor_arcsec,
+            axis.row_noise,
+            axis.row_noise_interval_s,
+            axis.rezero_limit,
+        ];
+        let [numbers, gains] = [&numbers[..], &axis.play_gains].map(floats);
+        writeln!(out, "            {{{numbers}, {{{gains}}}}},")?;
+    }
+    writeln!(out, "        }},\n        tempco_cells_{number},\n    }},")
 }

@@ -2,10 +2,10 @@
 
 use std::fmt::Write as _;
 
-use tempco::{Terms, ThermalSettings};
+use tempco::{PLAYS, Terms, ThermalSettings};
 
 use crate::escape::comment;
-use crate::{AxisSet, ChannelSet, CoefficientSet, PlayData, SlowPartData, TableData};
+use crate::{AxisSet, ChannelSet, CoefficientSet, TableData};
 
 /// The table as Rust source for `include!`: constants that a bad table would not let compile.
 pub fn table_rs(set: &CoefficientSet) -> String {
@@ -39,16 +39,9 @@ fn write_table_rs(out: &mut String, set: &CoefficientSet) -> std::fmt::Result {
         write_cells(out, number, channel)?;
     }
     writeln!(out, "/// The tables, one per temperature channel.")?;
-    let counts = match (
-        channels[0].table.plays.len(),
-        channels[0].table.slow_parts.len(),
-    ) {
-        (0, 0) => String::new(),
-        (plays, slow_parts) => format!(", {plays}, {slow_parts}"),
-    };
     writeln!(
         out,
-        "pub static TABLES: [tempco::Table<'static, AXES{counts}>; CHANNELS] = ["
+        "pub static TABLES: [tempco::Table<'static, AXES>; CHANNELS] = ["
     )?;
     for (number, channel) in channels.iter().enumerate() {
         write_table(out, number, &channel.table)?;
@@ -83,8 +76,11 @@ fn write_cells(out: &mut String, number: usize, channel: &ChannelSet) -> std::fm
     )?;
     for cell in cells {
         writeln!(out, "    [")?;
-        for Terms { a, r } in cell {
-            writeln!(out, "        tempco::Terms {{ a: {a:?}, r: {r:?} }},")?;
+        for Terms { a, r, s } in cell {
+            writeln!(
+                out,
+                "        tempco::Terms {{ a: {a:?}, r: {r:?}, s: {s:?} }},"
+            )?;
         }
         writeln!(out, "    ],")?;
     }
@@ -107,43 +103,22 @@ fn write_table(out: &mut String, number: usize, table: &TableData) -> std::fmt::
         "        const WHOLE: tempco::Table<'static, AXES> = match tempco::Table::new(THERMAL, {:?}, {:?}, &CELLS_{number}) {checked};",
         table.first_edge_c, table.last_edge_c
     )?;
-    let calibrated = format!(
-        "match WHOLE.calibrated({:?}, {:?}) {checked}",
+    writeln!(
+        out,
+        "        const CALIBRATED: tempco::Table<'static, AXES> = match WHOLE.calibrated({:?}, {:?}) {checked};",
         table.t_min_c, table.t_max_c
-    );
-    if table.plays.is_empty() && table.slow_parts.is_empty() {
-        writeln!(out, "        {calibrated}")?;
-    } else {
-        writeln!(
-            out,
-            "        const CALIBRATED: tempco::Table<'static, AXES> = {calibrated};"
-        )?;
-        writeln!(out, "        match CALIBRATED.with_history(")?;
-        write_history(out, table)?;
-        writeln!(out, "        ) {checked}")?;
-    }
+    )?;
+    let gains = |play: usize| -> Vec<f32> {
+        table
+            .play_gains
+            .iter()
+            .map(|of_axis| of_axis[play])
+            .collect()
+    };
+    let gains: [Vec<f32>; PLAYS] = std::array::from_fn(gains);
+    writeln!(
+        out,
+        "        match CALIBRATED.with_plays({gains:?}) {checked}"
+    )?;
     writeln!(out, "    }},")
-}
-
-fn write_history(out: &mut String, table: &TableData) -> std::fmt::Result {
-    writeln!(out, "            [")?;
-    for PlayData { half_width_c, gain } in &table.plays {
-        writeln!(
-            out,
-            "                tempco::Play {{ half_width_c: {half_width_c:?}, gain: {gain:?} }},"
-        )?;
-    }
-    writeln!(out, "            ],\n            [")?;
-    for SlowPartData {
-        tau_s,
-        limit_c,
-        gain,
-    } in &table.slow_parts
-    {
-        writeln!(
-            out,
-            "                tempco::SlowPart {{ tau_s: {tau_s:?}, limit_c: {limit_c:?}, gain: {gain:?} }},"
-        )?;
-    }
-    writeln!(out, "            ],")
 }

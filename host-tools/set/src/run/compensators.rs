@@ -31,8 +31,8 @@ pub struct AxisOutput {
 
 /// Consecutive rows of a log as a set takes them.
 pub(super) struct Rows<'a> {
-    /// Time since the row before \[s\].
-    pub(super) intervals_s: &'a [f32],
+    /// Time since the last update \[s\], where a row is one.
+    pub(super) updates_s: &'a [Option<f32>],
     /// For each channel of the set.
     pub(super) channels: Vec<ChannelInputs<'a>>,
 }
@@ -60,19 +60,19 @@ struct Run<'f>(&'f mut dyn FnMut(&mut Step));
 impl TableUse for Run<'_> {
     type Output = Result<(), TableError>;
 
-    fn with<const CHANNELS: usize, const AXES: usize, const PLAYS: usize, const SLOW: usize>(
+    fn with<const CHANNELS: usize, const AXES: usize>(
         self,
-        tables: &[Table<AXES, PLAYS, SLOW>; CHANNELS],
+        tables: &[Table<AXES>; CHANNELS],
     ) -> Self::Output {
         let units: Result<Vec<_>, _> = tables.iter().map(Unit::new).collect();
         let mut units = units?;
         (self.0)(&mut |rows| {
             let mut applied = Applied {
-                status: vec![Status::OK; rows.intervals_s.len()],
+                status: vec![Status::OK; rows.updates_s.len()],
                 ..Applied::default()
             };
             for (unit, inputs) in units.iter_mut().zip(&rows.channels) {
-                unit.step(inputs, rows.intervals_s, &mut applied);
+                unit.step(inputs, rows.updates_s, &mut applied);
             }
             applied
         });
@@ -81,18 +81,27 @@ impl TableUse for Run<'_> {
 }
 
 /// A channel in the course of a log.
-struct Unit<'t, const AXES: usize, const PLAYS: usize, const SLOW: usize> {
-    core: Compensator<'t, AXES, PLAYS, SLOW>,
-    table: &'t Table<'t, AXES, PLAYS, SLOW>,
+struct Unit<'t, const AXES: usize> {
+    core: Compensator<'t, AXES>,
+    table: &'t Table<'t, AXES>,
     /// The thermal path without limits of the rate.
     open: Thermal,
     state: ThermalState,
     intervals: IntervalCache,
-    is_started: bool,
+    /// The last update; none before the first row.
+    last: Option<Update<AXES>>,
 }
 
-impl<'t, const AXES: usize, const PLAYS: usize, const SLOW: usize> Unit<'t, AXES, PLAYS, SLOW> {
-    fn new(table: &'t Table<'t, AXES, PLAYS, SLOW>) -> Result<Self, TableError> {
+/// What an update leaves to the rows up to the next one.
+#[derive(Clone, Copy)]
+struct Update<const AXES: usize> {
+    bias: [f32; AXES],
+    status: Status,
+    point: ThermalPoint,
+}
+
+impl<'t, const AXES: usize> Unit<'t, AXES> {
+    fn new(table: &'t Table<'t, AXES>) -> Result<Self, TableError> {
         let open = with_every_rate(*table.thermal().settings())?;
         Ok(Self {
             core: Compensator::new(table),
@@ -100,33 +109,50 @@ impl<'t, const AXES: usize, const PLAYS: usize, const SLOW: usize> Unit<'t, AXES
             state: ThermalState::new(&open),
             intervals: IntervalCache::new(table.thermal(), 0.0),
             open,
-            is_started: false,
+            last: None,
         })
     }
 
     /// Runs the next rows through the core and adds the channel to the others.
-    fn step(&mut self, inputs: &ChannelInputs, intervals_s: &[f32], applied: &mut Applied) {
+    fn step(&mut self, inputs: &ChannelInputs, updates_s: &[Option<f32>], applied: &mut Applied) {
         let temps_c = inputs.temp_c;
-        if let (false, Some(&first)) = (self.is_started, temps_c.first()) {
-            self.core.start(first);
-            self.state.start(&self.open, first);
-            self.is_started = true;
-        }
         let mut points = Vec::with_capacity(temps_c.len());
         let mut axes: [AxisOutput; AXES] = std::array::from_fn(|_| AxisOutput::default());
-        for (row, (&temp_c, &dt_s)) in temps_c.iter().zip(intervals_s).enumerate() {
+        for (row, (&temp_c, &update_s)) in temps_c.iter().zip(updates_s).enumerate() {
             let raw = inputs.row::<AXES>(row);
-            let interval = self.intervals.of(self.table.thermal(), dt_s);
-            let out = self.core.step(&interval, temp_c, raw);
-            points.push(self.state.update(&self.open, &interval, temp_c));
-            applied.status[row] |= out.status;
+            let Update {
+                bias,
+                status,
+                point,
+            } = self.update(temp_c, update_s);
+            points.push(point);
+            applied.status[row] |= status | Status::of_raw(&raw);
             for (axis, output) in axes.iter_mut().enumerate() {
                 output.raw.push(raw[axis]);
-                output.bias.push(out.bias[axis]);
-                output.compensated.push(out.compensated[axis]);
+                output.bias.push(bias[axis]);
+                output.compensated.push(raw[axis] - bias[axis]);
             }
         }
         applied.points.push(points);
         applied.axes.extend(axes);
+    }
+
+    /// Takes the temperature of a row if that is an update.
+    fn update(&mut self, temp_c: f32, update_s: Option<f32>) -> Update<AXES> {
+        let dt_s = match (update_s, self.last) {
+            (None, Some(last)) => return last,
+            (dt_s, _) => dt_s.unwrap_or(0.0),
+        };
+        if self.last.is_none() {
+            self.core.start(temp_c);
+            self.state.start(&self.open, temp_c);
+        }
+        let interval = self.intervals.of(self.table.thermal(), dt_s);
+        let out = self.core.step(&interval, temp_c, [0.0; AXES]);
+        *self.last.insert(Update {
+            bias: out.bias,
+            status: out.status,
+            point: self.state.update(&self.open, &interval, temp_c),
+        })
     }
 }

@@ -6,11 +6,12 @@
 use std::path::{Path, PathBuf};
 
 use tempco::TableError;
-use tempco_log::{Chunk, LogError, LogStream, ReadOptions};
+use tempco_log::{LogError, LogStream, ReadOptions};
 use thiserror::Error;
 
 use super::columns::{ApplyError, Columns, LogAxis};
 use super::compensators::{Applied, Rows, with_compensators};
+use super::updates::Updates;
 use crate::CoefficientSet;
 
 /// A log and what is known of it from the first reading.
@@ -40,16 +41,25 @@ pub fn apply_to_file(
     let columns = Columns::find(set, &log.path.display().to_string(), &named)?;
     drop(named);
     with_compensators(set, |step| -> Result<(), RunError> {
-        let mut last_s = None;
+        let mut updates = None;
         while let Some(mut chunk) = stream.next_chunk()? {
-            let intervals_s = intervals_s(&chunk, &mut last_s, log.interval_s);
+            let Some(&first_s) = chunk.time_s.first() else {
+                continue;
+            };
+            let period_s = set.thermal_period_s(log.interval_s);
+            let updates = updates.get_or_insert(Updates::new(first_s, log.interval_s, period_s));
+            let updates_s: Vec<_> = chunk
+                .time_s
+                .iter()
+                .map(|&time_s| updates.due(time_s))
+                .collect();
             for (axis, factor) in chunk.axes.iter_mut().zip(&factors) {
                 axis.iter_mut().for_each(|value| *value *= factor);
             }
             let temps_c: Vec<&[f32]> = chunk.temps_c.iter().map(Vec::as_slice).collect();
             let raw: Vec<&[f64]> = chunk.axes.iter().map(Vec::as_slice).collect();
             let applied = step(&Rows {
-                intervals_s: &intervals_s,
+                updates_s: &updates_s,
                 channels: columns.iter().map(|of| of.of(&temps_c, &raw)).collect(),
             });
             sink(&chunk.time_s, &applied, stream.bytes_read());
@@ -85,15 +95,6 @@ fn axes<'a>(
             )
         })
     })
-}
-
-/// Time since the row before, for each row \[s\]; the first row of the log gets the median interval.
-fn intervals_s(chunk: &Chunk, last_s: &mut Option<f64>, first_s: f64) -> Vec<f32> {
-    let since_last_s = |&time_s: &f64| {
-        let last_s = last_s.replace(time_s);
-        last_s.map_or(first_s, |last_s| time_s - last_s) as f32
-    };
-    chunk.time_s.iter().map(since_last_s).collect()
 }
 
 /// A set cannot be run over a file.

@@ -4,6 +4,7 @@ use tempco_log::Log;
 
 use super::columns::{ApplyError, ChannelInputs, Columns, LogAxis};
 use super::compensators::{Applied, Rows, with_compensators};
+use super::updates::Updates;
 use crate::CoefficientSet;
 
 /// Runs the core over `log` as a unit switched on at its first row.
@@ -11,9 +12,16 @@ use crate::CoefficientSet;
 /// # Errors
 /// A log without an axis or temperature of the set, or with another unit.
 pub fn apply(set: &CoefficientSet, log: &Log) -> Result<Applied, ApplyError> {
-    let intervals_s: Vec<f32> = log.intervals_s().collect();
+    let first_s = log.time_s.first().copied().unwrap_or(0.0);
+    let period_s = set.thermal_period_s(log.interval_s);
+    let mut updates = Updates::new(first_s, log.interval_s, period_s);
+    let updates_s: Vec<_> = log
+        .time_s
+        .iter()
+        .map(|&time_s| updates.due(time_s))
+        .collect();
     let rows = Rows {
-        intervals_s: &intervals_s,
+        updates_s: &updates_s,
         channels: inputs(set, log)?,
     };
     Ok(with_compensators(set, |step| step(&rows))?)

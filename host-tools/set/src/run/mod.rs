@@ -6,9 +6,11 @@ mod compensators;
 mod file;
 mod memory;
 mod thermal_path;
+mod updates;
 
 pub use columns::{ApplyError, ChannelInputs};
 pub use compensators::{Applied, AxisOutput};
 pub use file::{KnownLog, RunError, apply_to_file, is_rereadable};
 pub use memory::{apply, inputs};
 pub use thermal_path::{IntervalCache, is_usable, thermal_points, with_every_rate};
+pub use updates::{Updates, thermal_period_s};

@@ -3,6 +3,8 @@
 use tempco::{Interval, Status, TableError, Thermal, ThermalPoint, ThermalSettings, ThermalState};
 use tempco_log::Log;
 
+use super::updates::{Updates, thermal_period_s};
+
 /// Rows whose temperature was not accepted are not fitted.
 const UNUSABLE: [Status; 4] = [
     Status::TEMPERATURE_INVALID,
@@ -15,12 +17,18 @@ const UNUSABLE: [Status; 4] = [
 pub fn thermal_points(log: &Log, channel: usize, thermal: &Thermal) -> Vec<ThermalPoint> {
     let temps_c = &log.channels[channel].temp_c;
     let mut state = ThermalState::new(thermal);
-    state.start(thermal, temps_c[0]);
+    let mut point = state.start(thermal, temps_c[0]);
     let mut intervals = IntervalCache::new(thermal, 0.0);
-    log.intervals_s()
-        .zip(temps_c)
-        .map(|(dt_s, &temp_c)| state.update(thermal, &intervals.of(thermal, dt_s), temp_c))
-        .collect()
+    let period_s = thermal_period_s(log.interval_s);
+    let mut updates = Updates::new(log.time_s[0], log.interval_s, period_s);
+    let rows = log.time_s.iter().zip(temps_c);
+    let points = rows.map(|(&time_s, &temp_c)| {
+        if let Some(dt_s) = updates.due(time_s) {
+            point = state.update(thermal, &intervals.of(thermal, dt_s), temp_c);
+        }
+        point
+    });
+    points.collect()
 }
 
 /// The core's interval of the last row. Most rows of a log are as far apart, and it is not made again.
@@ -47,14 +55,18 @@ impl IntervalCache {
     }
 }
 
-/// The thermal path with limits that no rate reaches.
+/// The thermal path with limits that no rate and no second lag reaches.
 ///
 /// # Errors
 /// Settings that the core refuses.
 pub fn with_every_rate(settings: ThermalSettings) -> Result<Thermal, TableError> {
+    let has_lag2 = settings.lag2_min_c < 0.0 || settings.lag2_max_c > 0.0;
+    let lag2_c = if has_lag2 { 1e3 } else { 0.0 };
     Thermal::new(ThermalSettings {
         rate_min_c_per_min: -1e4,
         rate_max_c_per_min: 1e4,
+        lag2_min_c: -lag2_c,
+        lag2_max_c: lag2_c,
         ..settings
     })
 }

@@ -4,10 +4,7 @@
 #![no_std]
 #![allow(unsafe_code, reason = "names that can be found again")]
 
-use tempco::{
-    History, HistoryState, Interval, Play, SlowPart, Table, Terms, Thermal, ThermalSettings,
-    ThermalState,
-};
+use tempco::{Interval, Play, SecondLag, Table, Terms, Thermal, ThermalSettings, ThermalState};
 
 /// One update of the thermal path.
 #[unsafe(no_mangle)]
@@ -49,32 +46,20 @@ pub fn prove_place(
 
 /// The bias in a cell.
 #[unsafe(no_mangle)]
-pub fn prove_bias(terms: &Terms, z: f32, rate_c_per_min: f32) -> f32 {
-    terms.bias(z, rate_c_per_min)
+pub fn prove_bias(terms: &Terms, z: f32, rate_c_per_min: f32, lag2_c: f32) -> f32 {
+    terms.bias(z, rate_c_per_min, lag2_c)
 }
 
-/// A hysteresis term: how far the contact is behind.
+/// A play: how far the contact is behind.
 #[unsafe(no_mangle)]
-pub fn prove_play(
-    play: &History<1, 1>,
-    contact: &mut HistoryState<1, 0>,
-    interval: &Interval,
-    effective_c: f32,
-) -> f32 {
-    let [behind_c] = contact.update(play, interval, effective_c).plays_c;
-    behind_c
+pub fn prove_play(play: &mut Play, half_width_c: f32, drag_c: f32) -> f32 {
+    play.follow(half_width_c, drag_c)
 }
 
-/// A second lag.
+/// A second lag, without limits.
 #[unsafe(no_mangle)]
-pub fn prove_slow_part(
-    slow_part: &History<1, 0, 1>,
-    slow: &mut HistoryState<0, 1>,
-    interval: &Interval,
-    effective_c: f32,
-) -> f32 {
-    let [lag_c] = slow.update(slow_part, interval, effective_c).lags_c;
-    lag_c
+pub fn prove_second_lag(lag: &mut SecondLag, interval: &Interval, temp_c: f32) -> f32 {
+    lag.update(interval, temp_c)
 }
 
 const THERMAL: Thermal = match Thermal::new(ThermalSettings::DEFAULT) {
@@ -107,39 +92,10 @@ pub static PROVE_STATE: ThermalState = ThermalState::new(&THERMAL);
 #[unsafe(no_mangle)]
 pub static PROVE_INTERVAL: Interval = Interval::new(&THERMAL, 0.25);
 
-/// A slot of 6 degC.
+/// A play as it is made.
 #[unsafe(no_mangle)]
-pub static PROVE_PLAY: History<1, 1> = match History::new(
-    60.0,
-    [Play {
-        half_width_c: 3.0,
-        gain: [0.5],
-    }],
-    [],
-) {
-    Ok(play) => play,
-    Err(_) => panic!(),
-};
+pub static PROVE_PLAY: Play = Play::new(25.0);
 
-/// Its state as it is made.
+/// A second lag as it is made.
 #[unsafe(no_mangle)]
-pub static PROVE_CONTACT: HistoryState<1, 0> = HistoryState::new(25.0);
-
-/// A part of 10 min.
-#[unsafe(no_mangle)]
-pub static PROVE_SLOW_PART: History<1, 0, 1> = match History::new(
-    60.0,
-    [],
-    [SlowPart {
-        tau_s: 600.0,
-        limit_c: 8.0,
-        gain: [0.5],
-    }],
-) {
-    Ok(part) => part,
-    Err(_) => panic!(),
-};
-
-/// Its state as it is made.
-#[unsafe(no_mangle)]
-pub static PROVE_SLOW: HistoryState<0, 1> = HistoryState::new(25.0);
+pub static PROVE_LAG: SecondLag = SecondLag::new(25.0);

@@ -1,7 +1,7 @@
 //! What was left out of a fit, what should have been, and how far the logs go.
 
 use tempco_set::{
-    BiasStep, ChannelSet, Disturbance, Extent, Rejection, RejectionCode, Screening, Warning,
+    BiasStep, ChannelSet, Disturbance, Extent, Outliers, Rejection, RejectionCode, Warning,
     WarningCode,
 };
 
@@ -12,7 +12,7 @@ const MANY_STEPS: usize = 4;
 
 /// What the logs of a channel say against its fit.
 pub(super) fn rejections(channel: &ChannelSet) -> Vec<Rejection> {
-    let Some(found) = &channel.screening else {
+    let Some(found) = &channel.outliers else {
         return Vec::new();
     };
     let spoilt = found.spikes.iter().chain(&found.disturbances);
@@ -62,7 +62,7 @@ pub(super) fn rejections(channel: &ChannelSet) -> Vec<Rejection> {
 }
 
 /// Each axis that steps again and again, log by log.
-fn many_steps(found: &Screening) -> Vec<Rejection> {
+fn many_steps(found: &Outliers) -> Vec<Rejection> {
     let of = |step: &BiasStep| (step.file.clone(), step.axis.clone());
     let mut places: Vec<_> = found.steps.iter().map(of).collect();
     places.sort_unstable();
@@ -99,7 +99,7 @@ fn unit(channel: &ChannelSet, step: &BiasStep) -> String {
     axis.map_or(String::new(), |axis| axis.unit.to_string())
 }
 
-pub(super) fn warn(channel: &ChannelSet, found: &Screening, warnings: &mut Vec<Warning>) {
+pub(super) fn warn(channel: &ChannelSet, found: &Outliers, warnings: &mut Vec<Warning>) {
     warn_of_rows(&channel.temperature, found, warnings);
     for step in &found.steps {
         let fate = match step.levelled {
@@ -121,7 +121,7 @@ pub(super) fn warn(channel: &ChannelSet, found: &Screening, warnings: &mut Vec<W
 }
 
 /// Rows that were left out, with their places.
-fn warn_of_rows(temperature: &str, found: &Screening, warnings: &mut Vec<Warning>) {
+fn warn_of_rows(temperature: &str, found: &Outliers, warnings: &mut Vec<Warning>) {
     use WarningCode::{DisturbedRows, ExcludedRows, Spikes};
     let counts = [
         (

@@ -65,10 +65,10 @@ impl Disturbance {
     }
 }
 
-/// What screening found in the logs of a channel.
+/// What outliers found in the logs of a channel.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Screening {
+pub struct Outliers {
     /// Rows left out because they lie in a stretch that was excluded.
     pub excluded_rows: usize,
     /// Rows left out because an axis is far from its neighbours in time.
