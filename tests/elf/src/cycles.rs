@@ -1,4 +1,4 @@
-//! Cycles of straight Thumb code on a Cortex-M4, estimated from its instructions.
+//! Cycles of Thumb code on a Cortex-M4, estimated from the instructions that are executed.
 //!
 //! | instruction | cycles |
 //! | --- | --- |
@@ -8,6 +8,7 @@
 //! | SDIV, UDIV (the longest) | 12 |
 //! | VDIV, VSQRT | 14 |
 //! | BX, and loading the program counter on top | 3 |
+//! | a branch that was taken, on top (in code that was traced) | 2 |
 //! | everything else, an instruction skipped after IT too | 1 |
 //! | an FP result used by the very next instruction, on top | 1 |
 //!
@@ -17,7 +18,10 @@ use capstone::Insn;
 use capstone::arch::arm::{ArmInsn, ArmOperand, ArmOperandType, ArmReg};
 
 use crate::decode::is;
-use crate::{Error, Flow, Function};
+use crate::{Error, Flow, Function, Instruction};
+
+/// What a branch that is taken costs on top [cycles].
+const TAKEN: u32 = 2;
 
 /// What an instruction costs, and the FP registers by which the next one may have to wait.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -29,13 +33,38 @@ pub(crate) struct Cost {
     uses: Vec<u32>,
 }
 
-/// What straight code executes.
+/// What code executes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Price {
     /// Instructions.
     pub instructions: u32,
     /// Cycles of a Cortex-M4.
     pub cycles: u32,
+}
+
+/// Prices instructions in the order in which they were executed.
+pub fn price<'i>(executed: impl IntoIterator<Item = &'i Instruction>) -> Price {
+    let mut price = Price::default();
+    let mut before: Option<&Instruction> = None;
+    for instruction in executed {
+        let Cost { cycles, uses, .. } = &instruction.cost;
+        price.instructions += 1;
+        price.cycles += cycles;
+        if let Some(before) = before {
+            let waits = before
+                .cost
+                .result
+                .is_some_and(|result| uses.contains(&result));
+            let jumps = match before.flow {
+                Flow::Jump(target) => target == instruction.address,
+                Flow::Call(_) | Flow::Table | Flow::Indirect => true,
+                Flow::Next | Flow::Return => false,
+            };
+            price.cycles += u32::from(waits) + if jumps { TAKEN } else { 0 };
+        }
+        before = Some(instruction);
+    }
+    price
 }
 
 impl Function {
@@ -48,21 +77,23 @@ impl Function {
             function: self.name.clone(),
             reason: reason.to_owned(),
         };
-        let mut price = Price::default();
-        let mut before = None;
-        for instruction in &self.instructions {
-            let Cost {
-                cycles,
-                result,
-                uses,
-            } = &instruction.cost;
-            let waits = before.is_some_and(|result| uses.contains(&result));
-            price.instructions += 1;
-            price.cycles += cycles + u32::from(waits);
-            before = *result;
+        let mut executed = Vec::new();
+        let mut instructions = self.instructions.iter();
+        while let Some(instruction) = instructions.next() {
+            executed.push(instruction);
             match instruction.flow {
                 Flow::Next => {}
-                Flow::Return => return Ok(price),
+                Flow::Return => return Ok(price(executed)),
+                // Over constants among the code.
+                Flow::Jump(target) if !instruction.conditional && target > instruction.address => {
+                    while instructions
+                        .as_slice()
+                        .first()
+                        .is_some_and(|next| next.address < target)
+                    {
+                        instructions.next();
+                    }
+                }
                 _ => return Err(not_straight(&format!("`{}` branches", instruction.text))),
             }
         }
@@ -179,7 +210,7 @@ fn fp_registers(operand: &ArmOperand) -> Vec<u32> {
 
 #[cfg(test)]
 mod tests {
-    use super::Price;
+    use super::{Price, price as price_of};
     use crate::decode::Decoder;
     use crate::{Error, Function};
 
@@ -231,9 +262,29 @@ mod tests {
         assert_eq!(cycles(&[&sub[..], &[0xbf00], &moved].concat()), 3);
     }
 
+    /// `b` over one instruction in place of constants.
+    #[test]
+    fn a_jump_over_constants_is_straight() {
+        assert_eq!(cycles(&[0xe000, 0xbf00, 0xbf00]), 4);
+    }
+
+    /// `beq` to the instruction behind the next one, `nop`, `nop`.
+    #[test]
+    fn a_branch_costs_more_where_it_is_taken() {
+        let bytes: Vec<u8> = [0xd000_u16, 0xbf00, 0xbf00]
+            .iter()
+            .flat_map(|half| half.to_le_bytes())
+            .collect();
+        let decoded = Decoder::new().unwrap().decode(&bytes, 0).unwrap();
+        let cycles = |executed: &[usize]| price_of(executed.iter().map(|&at| &decoded[at])).cycles;
+        assert_eq!(cycles(&[0, 1, 2]), 3);
+        assert_eq!(cycles(&[0, 2]), 4);
+    }
+
     #[test]
     fn code_that_branches_or_never_ends_is_refused() {
         assert!(price(&[0xd000, 0x4770]).is_err());
+        assert!(price(&[0xe7fe, 0x4770]).is_err(), "backwards");
         assert!(price(&[0xbf00]).is_err());
     }
 }

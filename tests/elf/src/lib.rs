@@ -4,7 +4,8 @@
 //! - [`Kernel`]: what one function and all it calls consist of: branches, loops, divisions
 //! - [`CallGraph`]: who calls whom, recursion, and the deepest stack
 //! - [`forbidden_symbols`]: symbols by which panics, formatting and soft double precision show
-//! - [`Function::price`]: the instructions of straight code, and an estimate of their cycles
+//! - [`Function::price`], [`price()`]: the instructions of straight or traced code, and an estimate of
+//!   their cycles
 //! - [`Lines`]: where in the sources an instruction comes from
 //! - [`rules`]: what the core may consist of, for every function that runs per sample
 //!
@@ -28,7 +29,7 @@ mod symbols;
 #[cfg(test)]
 mod tests;
 
-pub use cycles::Price;
+pub use cycles::{Price, price};
 pub use error::Error;
 pub use graph::{CallGraph, Depth};
 pub use image::{Function, Image};
