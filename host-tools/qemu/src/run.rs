@@ -1,12 +1,14 @@
 //! Runs an image in QEMU.
 
 use std::io::Read;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 use std::{fs, io};
 
+use crate::install::checked;
 use crate::{Board, Error, log};
 
 /// How an image is run.
@@ -18,6 +20,9 @@ pub struct Options {
     pub time_limit: Duration,
     /// The folder in which the image's relative paths are.
     pub folder: Option<PathBuf>,
+    /// Write what is executed in these ranges of addresses to the console, an instruction a line. The
+    /// addresses are found there again by [`Run::executed`].
+    pub trace: Vec<Range<u64>>,
 }
 
 impl Default for Options {
@@ -27,6 +32,7 @@ impl Default for Options {
             icount: false,
             time_limit: Duration::from_secs(60),
             folder: None,
+            trace: Vec::new(),
         }
     }
 }
@@ -47,6 +53,22 @@ impl Run {
     /// Whether the image says that all went well.
     pub const fn succeeded(&self) -> bool {
         self.exit_code == 0
+    }
+
+    /// The addresses of the instructions that were executed in [`Options::trace`], in their order.
+    pub fn executed(&self) -> Vec<u64> {
+        let mut executed = Vec::new();
+        for line in self.console.lines() {
+            // `Trace 0: 0x7f5de8000100 [00400000/00000a1c/00000110/ff000000] main`
+            if line.starts_with("Trace ") {
+                let address = line.split('/').nth(1);
+                executed.extend(address.and_then(|word| u64::from_str_radix(word, 16).ok()));
+            } else if line.starts_with("Stopped execution") {
+                // It comes again.
+                executed.pop();
+            }
+        }
+        executed
     }
 }
 
@@ -116,7 +138,26 @@ fn qemu(elf: &Path, board: Board, args: &[&str], options: &Options) -> Command {
     if let Some(folder) = &options.folder {
         command.current_dir(folder);
     }
+    if !options.trace.is_empty() {
+        let range = |range: &Range<u64>| format!("{:#x}..{:#x}", range.start, range.end - 1);
+        let ranges: Vec<String> = options.trace.iter().map(range).collect();
+        command.args(["-d", "exec,nochain", "-dfilter", &ranges.join(",")]);
+        // Translate instructions one by one. The option has another name since QEMU 8.1.
+        command.args(match version() {
+            Some(version) if version < [8, 1] => &["-singlestep"][..],
+            _ => &["-accel", "tcg,one-insn-per-tb=on"],
+        });
+    }
     command
+}
+
+/// QEMU's version: major and minor number.
+fn version() -> Option<[u32; 2]> {
+    let said = checked(Command::new("qemu-system-arm").arg("--version")).ok()?;
+    let said = String::from_utf8(said.stdout).ok()?;
+    let mut numbers = said.strip_prefix("QEMU emulator version ")?.split('.');
+    let mut number = || numbers.next()?.parse().ok();
+    Some([number()?, number()?])
 }
 
 /// Reads a pipe to its end, so that the child never waits for room in it.
