@@ -5,6 +5,8 @@
 //! - [`history`]: the built-in table with terms of the thermal history
 //! - [`kernels`]: the functions whose instructions the `bench` image counts
 //! - `measure`: counts instructions in QEMU; only on a target
+//! - `reference`: with the feature `c-reference`, C of the same behaviour next to the core; only on a
+//!   target
 //! - `guard`: with the feature `link-guard`, a panic that does not link, and calls of what must link
 //!   with it; only on a target
 //!
@@ -21,6 +23,8 @@ pub mod history;
 pub mod kernels;
 #[cfg(target_os = "none")]
 pub mod measure;
+#[cfg(all(target_os = "none", feature = "c-reference"))]
+pub mod reference;
 
 #[cfg(all(test, not(target_os = "none")))]
 extern crate std;

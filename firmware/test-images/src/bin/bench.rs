@@ -3,6 +3,11 @@
 //! Every input is measured by `tempco_test_images::measure` in many calls from the same state, and the
 //! cost of measuring is measured with an empty function and taken off. A line is `bench NAME MIN MAX`, in instructions
 //! per call beyond the empty function, over all inputs; or `size NAME BYTES`.
+//!
+//! With the feature `c-reference` the C of the same behaviour is measured too, in hostile states; a line
+//! is `c COMPILATION NAME MIN MAX`. `bench compare UPDATES` then compares all outputs of the core and the
+//! C over so many hostile updates, and `bench trace COMPILATION` calls the functions of a compilation
+//! once in each of the measured states.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(not(target_os = "none"))]
@@ -55,6 +60,8 @@ mod image {
     #[cortex_m_rt::entry]
     fn main() -> ! {
         banner("bench");
+        #[cfg(feature = "c-reference")]
+        super::reference::on_demand();
         let Some(core) = cortex_m::Peripherals::take() else {
             exit(false)
         };
@@ -70,6 +77,8 @@ mod image {
             };
             measure(&stopwatch, &sample, &KERNELS[..kernels], &mut spans);
         }
+        #[cfg(feature = "c-reference")]
+        super::reference::measure(&stopwatch);
         for ((name, _), span) in KERNELS.iter().zip(spans) {
             defmt::println!("bench {=str} {=u32} {=u32}", *name, span.min, span.max);
         }
@@ -164,6 +173,99 @@ mod image {
             let of_empty = counts(kernels::empty);
             for ((_, kernel), span) in kernels.iter().zip(spans.iter_mut()) {
                 span.add(counts(*kernel), of_empty);
+            }
+        }
+    }
+}
+
+#[cfg(all(target_os = "none", feature = "c-reference"))]
+mod reference {
+    use core::hint::black_box;
+
+    use tempco::Table;
+    use tempco_firmware::table::{AXES, TABLES};
+    use tempco_firmware::target::{arguments, exit};
+    use tempco_test_images::history::HISTORY;
+    use tempco_test_images::measure::{Span, Stopwatch};
+    use tempco_test_images::reference::compare::{compare, visit};
+    use tempco_test_images::reference::{Compiled, O2, O3};
+
+    const COMPILED: [Compiled; 2] = [O2, O3];
+    static CHANNELS: [&Table<'static, AXES>; 2] = [&TABLES[0], &HISTORY[0]];
+    /// Hostile updates, and one in how many of their states is measured.
+    const UPDATES: u32 = 100_000;
+    const EVERY: u32 = 97;
+
+    /// Does what the arguments ask for, if there are any, and ends.
+    pub(super) fn on_demand() {
+        let Some([what, which]) = arguments::<2>() else {
+            return;
+        };
+        let done = match what.as_str() {
+            "compare" => which.parse().is_ok_and(are_equal),
+            "trace" => trace(&which),
+            _ => false,
+        };
+        exit(done)
+    }
+
+    fn are_equal(updates: u32) -> bool {
+        CHANNELS.iter().enumerate().all(|(channel, table)| {
+            let compared = compare(&COMPILED, table, updates);
+            if let Err(difference) = compared {
+                defmt::error!("table {=usize}: {}", channel, difference);
+            }
+            compared.is_ok()
+        })
+    }
+
+    /// The states are made by the other compilation, so that every call of this one is in a trace.
+    fn trace(name: &str) -> bool {
+        let [traced, by] = match COMPILED {
+            [first, second] if first.name == name => [first, second],
+            [first, second] if second.name == name => [second, first],
+            _ => return false,
+        };
+        for table in CHANNELS {
+            visit(&by, table, UPDATES, EVERY, |unit, inputs, outputs| {
+                for (_, kernel) in traced.kernels {
+                    let (mut unit, mut outputs) = (unit.clone(), *outputs);
+                    kernel(&mut unit, inputs, &mut outputs);
+                }
+            });
+        }
+        true
+    }
+
+    /// Measures both compilations in hostile states.
+    pub(super) fn measure(stopwatch: &Stopwatch) {
+        let mut spans = COMPILED.map(|compiled| compiled.kernels.map(|_| Span::NONE));
+        for table in CHANNELS {
+            visit(&O2, table, UPDATES, EVERY, |unit, inputs, outputs| {
+                let state = (unit.clone(), *outputs);
+                for (compiled, spans) in COMPILED.iter().zip(&mut spans) {
+                    let counts = compiled.kernels.map(|(_, kernel)| {
+                        let kernel = black_box(kernel);
+                        stopwatch.counts(&state, |(unit, outputs)| {
+                            kernel(unit, black_box(inputs), outputs);
+                        })
+                    });
+                    for (span, of_kernel) in spans.iter_mut().zip(counts) {
+                        span.add(of_kernel, counts[0]);
+                    }
+                }
+            });
+        }
+        for (compiled, spans) in COMPILED.iter().zip(spans) {
+            for ((name, _), span) in compiled.kernels.iter().zip(spans).skip(1) {
+                let (min, max) = (span.min, span.max);
+                defmt::println!(
+                    "c {=str} {=str} {=u32} {=u32}",
+                    compiled.name,
+                    *name,
+                    min,
+                    max
+                );
             }
         }
     }

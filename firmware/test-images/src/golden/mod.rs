@@ -5,7 +5,7 @@
 //! the first sample comes a short run on subnormal numbers, with a hash of its own: a processor
 //! that flushes them to zero shows there.
 
-mod samples;
+pub(crate) mod samples;
 
 use tempco::{Compensator, Corrector, Interval, Output, RampBuffer, Table, ThermalHalf};
 

@@ -23,17 +23,17 @@ const SPECIAL: [u32; 16] = [
 /// How long one kind of sample time lasts, and one course of temperature at least [samples].
 const PHASE: u32 = 4096;
 
-pub(super) struct Sample<const A: usize> {
-    pub(super) dt_s: f32,
-    pub(super) temp_c: f32,
-    pub(super) raw: [f32; A],
+pub(crate) struct Sample<const A: usize> {
+    pub(crate) dt_s: f32,
+    pub(crate) temp_c: f32,
+    pub(crate) raw: [f32; A],
     /// Whether a thermal update that is due now is left out.
-    pub(super) skips_update: bool,
+    pub(crate) skips_update: bool,
 }
 
 /// A temperature that wanders over and beyond the calibrated range at up to 12 degC/min, and what
 /// goes wrong on the way.
-pub(super) struct Samples {
+pub(crate) struct Samples {
     noise: Noise,
     count: u32,
     /// The temperature, where it goes and how fast [millidegC], [millidegC per sample].
@@ -51,7 +51,7 @@ enum Times {
 }
 
 impl Samples {
-    pub(super) const fn new() -> Self {
+    pub(crate) const fn new() -> Self {
         Self {
             noise: Noise(0x9e37_79b9_7f4a_7c15),
             count: 0,
@@ -64,7 +64,7 @@ impl Samples {
 
     /// A sample every 0.1 s, with one in eight of the temperatures and gyro samples spoilt; the
     /// times are steady, jittered or spoilt too, in turns.
-    pub(super) fn hostile<const A: usize>(&mut self) -> Sample<A> {
+    pub(crate) fn hostile<const A: usize>(&mut self) -> Sample<A> {
         if self.count.is_multiple_of(PHASE) {
             self.begin_phase();
         }
@@ -92,7 +92,7 @@ impl Samples {
 
     /// A sample around 0 degC whose temperatures, and so all differences of them in the
     /// estimator, are subnormal numbers.
-    pub(super) fn subnormal<const A: usize>(&mut self) -> Sample<A> {
+    pub(crate) fn subnormal<const A: usize>(&mut self) -> Sample<A> {
         Sample {
             dt_s: 0.1,
             temp_c: self.noise.subnormal(),
