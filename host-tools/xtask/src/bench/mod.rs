@@ -3,15 +3,22 @@
 mod cycles_m7;
 mod host;
 mod peers;
+mod reference;
 mod watch;
+
+use std::time::Duration;
 
 use anyhow::{Result, ensure};
 use clap::ValueEnum;
 use serde_json::{Map, Value, json};
 use tempco_elf::{Function, Image};
 use tempco_qemu::{
-    Board, Options, Workspace, build, code, ensure_qemu, ensure_target, run as run_image,
+    Board, Options, Variant, Workspace, build, build_variant, code, ensure_qemu, ensure_target,
+    run as run_image,
 };
+
+/// The longest that the image may run, on a busy machine.
+const TIME_LIMIT: Duration = Duration::from_secs(600);
 
 #[derive(clap::Args)]
 pub(crate) struct Args {
@@ -54,9 +61,11 @@ fn target(workspace: &Workspace) -> Result<Value> {
     ensure_target(workspace)?;
     ensure_qemu(workspace)?;
     let board = Board::Mps2An386;
-    let image = build(workspace, board, "bench", None)?;
+    let variant = reference::variant(workspace);
+    let image = build_variant(workspace, board, "bench", None, &variant)?;
     let options = Options {
         icount: true,
+        time_limit: TIME_LIMIT,
         ..Options::default()
     };
     let run = run_image(&image, board, &[], &options)?;
@@ -119,6 +128,10 @@ fn target(workspace: &Workspace) -> Result<Value> {
             println!("  {name:24} {cycles:>8} cycles on an M7, by llvm-mca");
             figures[name]["cycles_m7"] = json!(cycles);
         }
+    }
+    if variant != Variant::USUAL {
+        let compared = reference::figures(&image, &elf, board, &run.log)?;
+        figures.insert("c_same_behaviour".to_owned(), compared);
     }
     figures.insert("code_bytes".to_owned(), json!(code_bytes));
     figures.insert("state_bytes".to_owned(), sizes["compensator"].clone());
