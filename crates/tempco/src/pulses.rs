@@ -94,15 +94,16 @@ impl<'r, const AXES: usize> PulseCorrector<'r, AXES> {
     #[inline(always)]
     pub fn correct(&mut self, raw: [i32; AXES]) -> [i32; AXES] {
         // Counts on until a late ramp is beyond doubt. A selection would be a branch on a Cortex-M0.
-        let passed = self.ramps.advance(|left| {
+        let ramps = self.ramps;
+        let passed = ramps.advance(|left| {
             let is_far_beyond = left.wrapping_add(1 << 17).cast_unsigned() >> 31;
             left.wrapping_add(is_far_beyond.cast_signed())
                 .wrapping_sub(1)
         });
         let to_end = not_negative(passed.left);
         core::array::from_fn(|axis| {
-            let way = self.ramps.slope(&passed, axis).wrapping_mul(to_end);
-            let end = self.ramps.end(&passed, axis);
+            let way = ramps.slope(&passed, axis).wrapping_mul(to_end);
+            let end = ramps.end(&passed, axis);
             let sum = self.carried[axis].wrapping_add(end).wrapping_sub(way);
             self.carried[axis] = sum & ((1 << FRACTION_BITS) - 1);
             raw[axis].wrapping_sub(sum >> FRACTION_BITS)
