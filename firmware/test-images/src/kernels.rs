@@ -24,15 +24,15 @@ pub struct Units<'t, const A: usize> {
     pub ramps: &'t RampBuffer<A>,
     /// The sample half for whole pulses.
     pub whole: PulseCorrector<'t, A>,
-    /// What is usually done instead; no part of an image that proves something of the core.
-    #[cfg(not(feature = "link-guard"))]
-    pub baselines: Baselines<A>,
     /// Where [`interval`] puts its result.
     pub interval: Interval,
     /// Where [`pulses`] puts its result.
     pub pulses: [i32; A],
     /// What [`block8`] takes the bias out of.
     pub block: [[f32; A]; BLOCK],
+    /// What is usually done instead; no part of an image that proves something of the core.
+    #[cfg(not(feature = "link-guard"))]
+    pub baselines: Baselines<A>,
     table: &'t Table<'t, A>,
 }
 
@@ -83,11 +83,11 @@ impl<'t, const A: usize> Units<'t, A> {
             thermal: ThermalHalf::new(table, samples_per_update),
             ramps: &buffers.ramps,
             whole: PulseCorrector::new(&buffers.whole),
-            #[cfg(not(feature = "link-guard"))]
-            baselines: Baselines::new(table),
             interval: Interval::new(table.thermal(), 0.0),
             pulses: [0; A],
             block: [[0.0; A]; BLOCK],
+            #[cfg(not(feature = "link-guard"))]
+            baselines: Baselines::new(table),
             table,
         }
     }
