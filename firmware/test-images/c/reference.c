@@ -146,9 +146,9 @@ struct outcome {
 /* What the conditioning makes of a reading. */
 struct conditioned {
     float temp_c;
-    /* A change that is no movement of the part: the filter is shifted by it [degC]. */
-    float shift_c;
-    bool is_lost, is_first, was_unseen;
+    /* The change from the one before [degC]; if it is no movement of the part, the filter is shifted. */
+    float change_c;
+    bool is_shift, is_lost, is_first, was_unseen;
     uint32_t status;
 };
 
@@ -238,7 +238,8 @@ static struct conditioned condition(struct unit *u, const struct interval *dt, f
         u->age = age;
         /* The core: once it is lost, the next one may confirm it all the same. */
         if (c.is_lost) {
-            c.shift_c = temp_c - u->temp_c;
+            c.is_shift = true;
+            c.change_c = temp_c - u->temp_c;
             u->temp_c = temp_c;
         }
     } else {
@@ -259,8 +260,8 @@ static struct conditioned condition(struct unit *u, const struct interval *dt, f
             /* The next one may confirm it. */
             if (c.is_lost) {
                 u->temp_c = temp_c;
-                if (is_fresh)
-                    c.shift_c = change_c;
+                c.is_shift = is_fresh;
+                c.change_c = change_c;
             }
         } else {
             c.is_lost = false;
@@ -268,7 +269,8 @@ static struct conditioned condition(struct unit *u, const struct interval *dt, f
             u->age = 0;
             u->temp_c = temp_c;
             if (is_fresh) {
-                c.shift_c = change_c;
+                c.is_shift = true;
+                c.change_c = change_c;
                 u->settled = -m->settling_ticks;
                 u->restarts++;
             } else {
@@ -297,7 +299,8 @@ static struct conditioned condition(struct unit *u, const struct interval *dt, f
 /* Rate of temperature [degC/min], without limits. */
 static float rate(struct unit *u, const struct interval *dt, const struct conditioned *c)
 {
-    u->filtered.value += c->shift_c;
+    if (c->is_shift)
+        u->filtered.value += c->change_c;
     float lag_c = lag(&u->filtered, dt->alpha, c->temp_c);
     lag(&u->memory, dt->alpha, 1.0f);
     float memory = at_least(u->memory.value, u->model->least_memory);
@@ -583,15 +586,23 @@ static void at(struct unit *u, float temp_c)
     u->low_c = -FLT_MAX;
     u->high_c = FLT_MAX;
     u->point = (struct point){.effective_c = temp_c};
+    u->age = 0;
+    u->weight = 1.0f;
 }
 
-/* As after power-on: the temperature is lost, and the constant bias is taken out. */
+/* A unit that has not seen a temperature: the constant bias is taken out. */
+static void lost(struct unit *u)
+{
+    at(u, u->model->table.settings.reference_c);
+    u->age = LONGEST_TIME;
+    u->weight = 0.0f;
+}
+
+/* As after power-on. */
 void FN(unit)(struct unit *u, const struct model *m, uint16_t samples_per_update)
 {
     *u = (struct unit){.model = m};
-    at(u, m->table.settings.reference_c);
-    u->age = LONGEST_TIME;
-    u->weight = 0.0f;
+    lost(u);
     u->samples_per_update = samples_per_update;
     u->updates_per_sample = 1.0f / (float)samples_per_update;
     u->ramps[0].status = TEMPERATURE_LOST;
@@ -603,11 +614,10 @@ void FN(start)(struct unit *u, float temp_c)
 {
     if (is_possible(u->model, temp_c)) {
         at(u, temp_c);
-        u->age = 0;
         u->settled = -u->model->settling_ticks;
         u->restarts = 1;
-        u->weight = 1.0f;
     } else {
+        lost(u);
         reject(u);
     }
     bias(u, &u->point, u->end);
