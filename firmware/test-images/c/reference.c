@@ -143,7 +143,7 @@ struct outcome {
     uint32_t samples, ramp_status, point_status, rejected, restarts;
 };
 
-/* What the conditioning makes of a reading. */
+/* A temperature to go on with. */
 struct conditioned {
     float temp_c;
     /* The change from the one before [degC]; if it is no movement of the part, the filter is shifted. */
@@ -236,7 +236,7 @@ static struct conditioned condition(struct unit *u, const struct interval *dt, f
     } else if (!dt->has_passed) {
         reject(u);
         u->age = age;
-        /* The core: once it is lost, the next one may confirm it all the same. */
+        /* As the core has it, not the document: once lost, it is what the next one may confirm. */
         if (c.is_lost) {
             c.is_shift = true;
             c.change_c = temp_c - u->temp_c;

@@ -10,7 +10,7 @@ use crate::kernels::BLOCK;
 /// Gyro samples of a ramp.
 pub const SAMPLES_PER_UPDATE: u16 = 8;
 
-/// Where an output of the C is not that of the core.
+/// Where the C puts out something else than the core.
 #[derive(Clone, Copy, Debug, defmt::Format)]
 pub struct Difference {
     /// The compilation.

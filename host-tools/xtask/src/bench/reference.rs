@@ -40,7 +40,7 @@ pub(super) fn variant(workspace: &Workspace) -> Variant {
 }
 
 /// Compares all outputs, and returns the figures of the faster compilation of each function. `log` is
-/// that of the image that measured.
+/// what the image logged as it measured.
 ///
 /// # Errors
 /// The first output that differs, among others.
