@@ -4,11 +4,12 @@ mod common;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use common::{Bench, SCHEDULE, image};
-use tempco::{Status, Stream, Validity};
+use common::{Bench, SCHEDULE, image, image_of};
+use tempco::{Status, Stream, Terms, Validity};
 use tempco_firmware::board::mps2_an386::nor::{Nor, REGIONS};
 use tempco_firmware::unit::devices::ResetCause;
 use tempco_firmware::unit::{AXES, CHANNELS, Next, SERIAL};
+use tempco_image::{Axis, Unit as AxisUnit};
 use tempco_link::{
     Axes, Bank, Channels, Fault, FaultSet, Refusal, Request, Response, Sample, SampleBlock,
 };
@@ -593,17 +594,177 @@ fn periods_without_an_interrupt_are_counted_and_time_goes_on() {
     });
 }
 
+/// Images of cells with a bias and axes in a unit, with a scale factor.
+fn image_with(unit: AxisUnit, scale_factor_arcsec: f32, bias: f32, table_crc: u32) -> Vec<u8> {
+    let axis = Axis {
+        scale_factor_arcsec,
+        ..Axis::new(unit)
+    };
+    let flat = Terms::new([], []);
+    let cells = [flat, flat, Terms::new([bias], [])];
+    image_of(SERIAL, table_crc, &[axis; AXES], &cells)
+}
+
 #[test]
-fn the_unit_states_its_scale_factor() {
-    let mut bench = Bench::new();
+fn the_unit_states_which_tables_fit_it() {
+    use AxisUnit::{Dph, Dps, PulsesPerS, Radps};
+    for (unit, max_bias) in [
+        (PulsesPerS, 50.0),
+        (Dph, 25.0),
+        (Dps, 25.0 / 3600.0),
+        (Radps, 25.0 * std::f32::consts::PI / 648_000.0),
+    ] {
+        let mut bench = Bench::new();
+        bench.units = [[unit; AXES]; CHANNELS];
+        bench.boot(|bench, running| {
+            bench.connect(running);
+            bench.ask(running, &Request::Identify, |response| match response {
+                Response::Identity {
+                    scale_factor_arcsec,
+                    units,
+                    max_bias: found,
+                    ..
+                } => {
+                    assert_eq!(*scale_factor_arcsec, 0.5);
+                    assert_eq!(units[..], [unit.code(); AXES]);
+                    let near = |found: &f32| (found - max_bias).abs() < 1e-6 * max_bias;
+                    assert!(found.len() == AXES && found.iter().all(near), "{found:?}");
+                }
+                other => panic!("{other:?}"),
+            });
+        });
+    }
+}
+
+/// What of a table does not fit, as the unit refuses it, and as the fault log says at a boot.
+#[test]
+fn a_table_that_does_not_fit_the_board_is_not_taken() {
+    use AxisUnit::{Dph, Dps, G, Mps2, PulsesPerS, Radps};
+    for (board, of_image, scale_factor, bias, refused) in [
+        (
+            PulsesPerS,
+            Dph,
+            0.5,
+            1.0,
+            Some((Refusal::Unit { axis: 0 }, 1)),
+        ),
+        (
+            Dph,
+            PulsesPerS,
+            0.0,
+            1.0,
+            Some((Refusal::Unit { axis: 0 }, 1)),
+        ),
+        (Mps2, Mps2, 0.0, 1.0, Some((Refusal::Unit { axis: 0 }, 1))),
+        (G, G, 0.0, 1.0, Some((Refusal::Unit { axis: 0 }, 1))),
+        (
+            Dph,
+            Dph,
+            0.0,
+            1.0,
+            Some((Refusal::ScaleFactor { axis: 0 }, 2)),
+        ),
+        (
+            Dps,
+            Dps,
+            0.25,
+            1e-3,
+            Some((Refusal::ScaleFactor { axis: 0 }, 2)),
+        ),
+        (
+            Dph,
+            Dph,
+            0.500_001,
+            1.0,
+            Some((Refusal::ScaleFactor { axis: 0 }, 2)),
+        ),
+        (
+            PulsesPerS,
+            PulsesPerS,
+            0.0,
+            50.1,
+            Some((Refusal::Bias { axis: 2 }, 3)),
+        ),
+        (
+            PulsesPerS,
+            PulsesPerS,
+            0.0,
+            -50.1,
+            Some((Refusal::Bias { axis: 2 }, 3)),
+        ),
+        (Dph, Dph, 0.5, 25.1, Some((Refusal::Bias { axis: 2 }, 3))),
+        (PulsesPerS, PulsesPerS, 3.0, 50.0, None),
+        (Dph, Dph, 0.500_000_06, -25.0, None),
+        (Dps, Dps, 0.5, 6e-3, None),
+        (Radps, Radps, 0.5, 1e-4, None),
+    ] {
+        let image = image_with(of_image, scale_factor, bias, 7);
+        let mut bench = Bench::new();
+        bench.units = [[board; AXES]; CHANNELS];
+        let found = bench.boot(|bench, unit| {
+            bench.connect(unit);
+            bench.upload(unit, &image)
+        });
+        let expected = refused.map_or(Ok(()), |(refusal, _)| Err(refusal));
+        assert_eq!(found, expected, "{of_image:?} {scale_factor} {bias}");
+
+        // Accelerations fit no board, so there is no good table beside it.
+        let Some((_, reason)) = refused.filter(|_| !matches!(board, Mps2 | G)) else {
+            continue;
+        };
+        // A good one in A, and the same table in B, where another firmware has left it.
+        let good = |table_crc| image_with(board, 0.5, 1e-4, table_crc);
+        bench.boot(|bench, unit| {
+            bench.connect(unit);
+            bench.upload(unit, &good(0xa)).unwrap();
+        });
+        bench.load(&image);
+        bench.boot(|bench, unit| {
+            bench.connect(unit);
+            assert_eq!(in_use(bench, unit), (Some(Bank::A), 0xa));
+            // No check of its CRCs finds it good.
+            bench.wait(unit, SETTLED_S);
+            assert_eq!(bench.faults(unit), only(Fault::SpareTable));
+            let log = bench.log(unit);
+            let entry = log.iter().find(|(fault, _)| *fault == Fault::SpareTable);
+            let axis = if reason == 3 { 2 } else { 0 };
+            assert_eq!(entry.unwrap().1.detail, reason << 16 | axis << 8 | 1);
+            // Nor is it taken on command.
+            let select = bench.done(unit, &Request::SelectBank(Bank::B));
+            assert_eq!(select, Err(refused.unwrap().0));
+            bench.upload(unit, &good(0xb)).unwrap();
+            bench.wait(unit, 5.0);
+            assert_eq!(bench.faults(unit), FaultSet::NONE);
+        });
+        bench.boot(|bench, unit| {
+            bench.connect(unit);
+            assert_eq!(in_use(bench, unit), (Some(Bank::B), 0xb));
+        });
+    }
+}
+
+/// With no other table, the unit runs uncompensated.
+#[test]
+fn two_tables_that_do_not_fit_are_none() {
+    let mut bench = Bench::with_tables();
+    bench.units = [[AxisUnit::Dph; AXES]; CHANNELS];
     bench.boot(|bench, unit| {
         bench.connect(unit);
-        let arcsec = bench.ask(unit, &Request::ScaleFactor, |response| match response {
-            Response::ScaleFactor { arcsec } => *arcsec,
-            other => panic!("{other:?}"),
-        });
-        assert_eq!(arcsec, 0.5);
+        assert_eq!(in_use(bench, unit), (None, 0));
+        bench.wait(unit, 5.0);
+        let expected = only(Fault::NoTable) | only(Fault::SpareTable);
+        assert_eq!(bench.faults(unit), expected);
     });
+}
+
+/// Bank and CRC of the table in use.
+fn in_use(bench: &mut Bench, unit: &mut dyn common::Running) -> (Option<Bank>, u32) {
+    bench.ask(unit, &Request::Identify, |response| match response {
+        Response::Identity {
+            bank, table_crc, ..
+        } => (*bank, *table_crc),
+        other => panic!("{other:?}"),
+    })
 }
 
 #[test]

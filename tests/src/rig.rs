@@ -239,6 +239,14 @@ pub fn image() -> PathBuf {
 /// # Panics
 /// Never.
 pub fn quick_table(table_crc: u32) -> Vec<u8> {
+    table_in(AxisUnit::PulsesPerS, table_crc)
+}
+
+/// As [`quick_table`], in any unit.
+///
+/// # Panics
+/// Never.
+pub fn table_in(unit: AxisUnit, table_crc: u32) -> Vec<u8> {
     const CELLS: [[Terms; 3]; 2] = [[Terms::new([0.5, 0.25, 0.125], [0.0625, 0.0]); 3]; 2];
     let channel = Channel {
         thermal: ThermalSettings {
@@ -252,7 +260,7 @@ pub fn quick_table(table_crc: u32) -> Vec<u8> {
         t_min_c: -40.0,
         t_max_c: 80.0,
         period_s: 0.0,
-        axes: Axis::array(&[Axis::new(AxisUnit::PulsesPerS); 3]),
+        axes: Axis::array(&[Axis::new(unit); 3]),
         cells: CELLS.as_flattened(),
     };
     let info = Info {

@@ -123,7 +123,7 @@ fn figures(image: &Path) -> String {
     let mut rig = Rig::with(image, time);
     rig.counts(3);
     rig.temperature(25.0);
-    flash_set(&mut rig.unit, &quick_table(1), Some(1.0), |_| {}).unwrap();
+    flash_set(&mut rig.unit, &quick_table(1), |_| {}).unwrap();
     let idle = undisturbed(&mut rig);
     for number in 0..40_u8 {
         let raw = [0x3f; 960];
@@ -135,7 +135,7 @@ fn figures(image: &Path) -> String {
         };
         rig.unit.ask(&Request::Block(block), |_| Some(())).unwrap();
     }
-    flash_set(&mut rig.unit, &quick_table(2), Some(1.0), |_| {}).unwrap();
+    flash_set(&mut rig.unit, &quick_table(2), |_| {}).unwrap();
     rig.unit.built_in_test().unwrap();
     let state = rig.telemetry();
     assert_eq!(state.overruns, 0);

@@ -12,9 +12,9 @@ use std::sync::{Arc, Mutex};
 use std::thread;
 
 use serde_json::Value;
-use simulated::{Flash, Wire, image_of, serve};
-use tempco_hil::{Patience, Unit, open, replay};
-use tempco_image::{AlignedBytes, Image};
+use simulated::{FIT, Flash, Wire, image_of, serve};
+use tempco_hil::{Patience, open, replay};
+use tempco_image::{AlignedBytes, Fit, Image, Unit};
 use tempco_qemu::{Board, Machine, MachineOptions};
 use tempco_set::load_set;
 use tempco_tests::rig::{SERIAL, image};
@@ -48,6 +48,10 @@ fn simulated(bench: &Bench, serial: &str) -> (PathBuf, Arc<Mutex<Flash>>) {
     let listener = UnixListener::bind(&path).unwrap();
     let flash = Arc::new(Mutex::new(Flash {
         serial: serial.to_owned(),
+        fit: Some(Fit {
+            unit: Unit::PulsesPerS,
+            ..FIT
+        }),
         ..Flash::default()
     }));
     let kept = flash.clone();
@@ -142,7 +146,7 @@ fn one_bit_of_a_coefficient_is_found(bench: &Bench, machine: &Machine) {
     let within_c = first_c + width_c * (warm as f32 + 0.5);
 
     let port = open(&machine.link(), 0).unwrap();
-    let mut unit = Unit::connect(port, Patience::default()).unwrap();
+    let mut unit = tempco_hil::Unit::connect(port, Patience::default()).unwrap();
     let samples = || {
         (0..50).map(|_| tempco_replay::Sample {
             dt_s: 1.0,
@@ -271,34 +275,70 @@ fn a_unit_is_watched_line_by_line() {
 
 /// A set in deg/h from pulses of 0.5 arcsec, into a unit whose pulses are of 1 arcsec.
 #[test]
-fn a_set_of_another_scale_factor_is_refused() {
+fn a_set_that_does_not_fit_the_board_is_refused() {
     let bench = Bench::new();
     bench.ok("simulate --unit paper --profile short --seed 5 --out long.csv");
-    let ran = bench
-        .run("fit long.csv --serial SN1 --scale-factor 0.5 --out set --segments 6:45 --no-report");
-    assert!(ran.code < 2, "{}", ran.err);
-    let (port, flash) = simulated(&bench, "SN1");
-    let port = port.display();
-    let fitted = "fitted with 0.5 arcsec per pulse, but the unit turns pulses into angles by 1 ";
-    for (command, expected) in [
-        ("set/coefficients.json", fitted),
-        ("set/table.bin --scale-factor 0.5", fitted),
-        ("set/table.bin", "does not say by how many arcsec"),
+    for (set, options) in [
+        ("set", "--scale-factor 0.5"),
+        ("pulses", ""),
+        // As a log in deg/h, which does not say by how many arcsec per pulse it was made.
         (
-            "set/coefficients.json --scale-factor 1",
-            "--scale-factor 1: the set was fitted with 0.5",
+            "unstated",
+            "--axis x=x_pulses:dph --axis y=y_pulses:dph --axis z=z_pulses:dph",
         ),
     ] {
+        let ran = bench.run(&format!(
+            "fit long.csv --serial SN1 {options} --out {set} --segments 6:45 --no-report"
+        ));
+        assert!(ran.code < 2, "{}", ran.err);
+    }
+    let (port, flash) = simulated(&bench, "SN1");
+    let port = port.display();
+    let fit = |scale_factor_arcsec, max_bias| Fit {
+        scale_factor_arcsec,
+        max_bias,
+        ..FIT
+    };
+    let fitted = "fitted with 0.5 arcsec per pulse, but the unit turns pulses into angles by 1 ";
+    for (command, fit, expected) in [
+        ("set/coefficients.json", fit(1.0, 1e6), fitted),
+        ("set/table.bin", fit(1.0, 1e6), fitted),
+        (
+            "set/table.bin --scale-factor 0.5",
+            fit(1.0, 1e6),
+            "expected coefficients.json; an image holds its own",
+        ),
+        (
+            "set/coefficients.json --scale-factor 1",
+            fit(1.0, 1e6),
+            "--scale-factor 1: the set was fitted with 0.5",
+        ),
+        (
+            "pulses/table.bin",
+            fit(1.0, 1e6),
+            "is in pulses/s, but the firmware of the unit was built for deg/h",
+        ),
+        (
+            "unstated/table.bin",
+            fit(1.0, 1e6),
+            "give coefficients.json and --scale-factor",
+        ),
+        ("set/table.bin", fit(0.5, 0.01), "raise MAX_TABLE_BIAS"),
+    ] {
+        flash.lock().unwrap().fit = Some(fit);
         let ran = bench.run(&format!("flash-set {command} --port {port}"));
         assert_eq!(ran.code, 2, "{command}: {}", ran.err);
         assert!(ran.err.contains(expected), "{command}: {}", ran.err);
         assert!(flash.lock().unwrap().banks.iter().all(Vec::is_empty));
     }
-    flash.lock().unwrap().scale_factor_arcsec = Some(0.5);
-    bench.ok(&format!("flash-set set/coefficients.json --port {port}"));
-    bench.ok(&format!(
-        "flash-set set/table.bin --scale-factor 0.5 --port {port}"
-    ));
+    flash.lock().unwrap().fit = Some(fit(0.5, 1e6));
+    for set in [
+        "set/coefficients.json",
+        "set/table.bin",
+        "unstated/coefficients.json --scale-factor 0.5",
+    ] {
+        bench.ok(&format!("flash-set {set} --port {port}"));
+    }
 }
 
 #[test]

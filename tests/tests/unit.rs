@@ -8,8 +8,9 @@ use std::time::{Duration, Instant};
 
 use tempco::{Status, Validity};
 use tempco_hil::{Error, Unit, flash_set};
-use tempco_link::{Bank, Fault, FaultSet, Request, Telemetry};
-use tempco_tests::rig::{Rig, SLOT_B, quick_table};
+use tempco_image::Unit as AxisUnit;
+use tempco_link::{Bank, Fault, FaultSet, Refusal, Request, Telemetry};
+use tempco_tests::rig::{Rig, SLOT_B, quick_table, table_in};
 
 fn validity(state: &Telemetry) -> Validity {
     Status::from_bits(state.outcome.channels[0].status).validity()
@@ -19,7 +20,7 @@ fn validity(state: &Telemetry) -> Validity {
 fn ready() -> Rig {
     let mut rig = Rig::start();
     for crc in [1, 2] {
-        flash_set(&mut rig.unit, &quick_table(crc), Some(1.0), |_| {}).unwrap();
+        flash_set(&mut rig.unit, &quick_table(crc), |_| {}).unwrap();
     }
     rig.temperature(25.0);
     rig
@@ -125,7 +126,7 @@ fn a_damaged_flash_falls_back_to_the_other_table_and_then_to_none() {
     assert_eq!(state.outcome.compensated, state.raw);
     assert_eq!(validity(&state), Validity::Invalid);
     // A table brings it back.
-    flash_set(&mut rig.unit, &quick_table(7), Some(1.0), |_| {}).unwrap();
+    flash_set(&mut rig.unit, &quick_table(7), |_| {}).unwrap();
     assert_eq!(rig.unit.identify().unwrap().table_crc, 7);
 }
 
@@ -205,6 +206,25 @@ fn upload(unit: &mut Unit, image: &[u8]) -> Result<(), Error> {
     }
     let crc = tempco_image::CRC.checksum(image);
     unit.command(&Request::UploadCommit { len, crc })
+}
+
+#[test]
+fn a_table_that_does_not_fit_the_board_is_refused_by_host_and_unit() {
+    let mut rig = ready();
+    let image = table_in(AxisUnit::Dph, 9);
+    let error = flash_set(&mut rig.unit, &image, |_| panic!("written")).unwrap_err();
+    let words = "is in deg/h, but the firmware of the unit was built for pulses/s";
+    assert!(error.to_string().contains(words), "{error}");
+    // The unit does not rely on its host.
+    let error = upload(&mut rig.unit, &image).unwrap_err();
+    let Error::Refused { refusal, .. } = error else {
+        panic!("{error}")
+    };
+    assert_eq!(refusal, Refusal::Unit { axis: 0 });
+    rig.machine.reset().unwrap();
+    rig.unit.reconnect().unwrap();
+    let identity = rig.unit.identify().unwrap();
+    assert_eq!((identity.bank, identity.table_crc), (Some(Bank::B), 2));
 }
 
 /// `TEMPCO_BROWN_OUTS` says how many; the usual run makes a few.

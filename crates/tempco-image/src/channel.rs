@@ -2,7 +2,7 @@
 
 use core::array::from_fn;
 
-use tempco::{MAX_AXES, Table, TableError, Terms, Thermal, ThermalSettings};
+use tempco::{MAX_AXES, PLAYS, Table, TableError, Terms, Thermal, ThermalSettings};
 
 use crate::axis::is_usable;
 use crate::{Axis, ImageError};
@@ -105,6 +105,27 @@ impl<'a> Channel<'a> {
         Some((position.checked_div(axes)?, position.checked_rem(axes)?))
     }
 
+    /// A bound of the bias of an axis: the magnitudes of its terms added up, at the largest rate and
+    /// second lag, with every play at its end \[unit of the axis\].
+    pub fn max_bias(&self, axis: usize) -> f32 {
+        let s = &self.thermal;
+        let rate_c_per_min = s.rate_min_c_per_min.abs().max(s.rate_max_c_per_min.abs());
+        let lag2_c = s.lag2_min_c.abs().max(s.lag2_max_c.abs());
+        let cells = self
+            .cells
+            .iter()
+            .skip(axis)
+            .step_by(self.axis_count().max(1));
+        let bounds = cells.map(|terms| magnitude(terms, rate_c_per_min, lag2_c));
+        let gains = self.axes.get(axis).copied().flatten();
+        let gains = gains.map_or([0.0; PLAYS], |record| record.play_gains);
+        let plays = gains.into_iter().zip([s.half_width1_c, s.half_width2_c]);
+        bounds.fold(0.0, f32::max)
+            + plays
+                .map(|(gain, width_c)| gain.abs() * width_c)
+                .sum::<f32>()
+    }
+
     /// As [`table`](Self::table), for any number of axes: what it would refuse.
     pub(crate) fn check(&self, channel: usize) -> Result<(), ImageError> {
         match self.axis_count() {
@@ -119,11 +140,14 @@ impl<'a> Channel<'a> {
     }
 }
 
+/// The magnitudes that are added up for a bias.
+fn magnitude(terms: &Terms, rate_c_per_min: f32, lag2_c: f32) -> f32 {
+    let sum = |values: &[f32]| values.iter().map(|value| value.abs()).sum::<f32>();
+    sum(&terms.a) + rate_c_per_min.abs() * sum(&terms.r) + lag2_c.abs() * sum(&terms.s)
+}
+
 fn jumps(cold: &Terms, hot: &Terms, rate_c_per_min: f32, lag2_c: f32) -> bool {
-    let magnitude = |terms: &Terms| {
-        let sum = |values: &[f32]| values.iter().map(|value| value.abs()).sum::<f32>();
-        sum(&terms.a) + rate_c_per_min.abs() * sum(&terms.r) + lag2_c.abs() * sum(&terms.s)
-    };
+    let magnitude = |terms| magnitude(terms, rate_c_per_min, lag2_c);
     let jump = hot.bias(0.0, rate_c_per_min, lag2_c) - cold.bias(1.0, rate_c_per_min, lag2_c);
     let limit = JUMP_TOLERANCE * (magnitude(cold) + magnitude(hot));
     jump.abs() > limit

@@ -4,7 +4,7 @@ use core::fmt;
 
 use tempco::TableError;
 
-use crate::{FORMAT, MAX_CELLS_LEN};
+use crate::{FORMAT, MAX_CELLS_LEN, Misfit};
 
 /// Why an image was refused, or could not be written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -64,6 +64,13 @@ pub enum ImageError {
         /// The number.
         name: &'static str,
     },
+    /// An axis does not fit the board.
+    Unfit {
+        /// Number of the axis, channel by channel.
+        axis: usize,
+        /// What does not fit.
+        why: Misfit,
+    },
     /// The bias jumps at the hot edge of a cell of an image marked as continuous.
     Jump {
         /// Number of the channel.
@@ -115,6 +122,9 @@ impl fmt::Display for ImageError {
                 f,
                 "channel {channel}, axis {axis}: {name} is not finite or below zero"
             ),
+            Self::Unfit { axis, why } => {
+                write!(f, "axis {axis}: the {why} does not fit the board")
+            }
             Self::Jump {
                 channel,
                 cell,

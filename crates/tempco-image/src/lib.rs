@@ -10,6 +10,8 @@
 //!          (integrity)    (contents)      (cells borrowed from the bytes)
 //! ```
 //!
+//! [`Image::expect_fit`] says whether the tables fit the board of a unit.
+//!
 //! No heap and no panics: whatever the bytes are, the result is a table or an [`ImageError`].
 //!
 //! # What the CRCs find
@@ -56,6 +58,7 @@ mod axis;
 mod channel;
 mod check;
 mod error;
+mod fit;
 mod image;
 mod layout;
 mod unit;
@@ -68,6 +71,7 @@ pub use axis::Axis;
 pub use channel::Channel;
 pub use check::{BLOCK_LEN, CRC, contents_len, total_len};
 pub use error::ImageError;
+pub use fit::{Fit, Misfit};
 pub use image::{Image, Info};
 pub use layout::{
     FORMAT, MAGIC, MAX_CELLS_LEN, MAX_LEN, MAX_SIGNATURE_LEN, MODEL, SERIAL_LEN, max_cells,

@@ -37,4 +37,16 @@ impl Unit {
             _ => return None,
         })
     }
+
+    /// The unit as it is written for people.
+    pub const fn symbol(self) -> &'static str {
+        match self {
+            Self::Dph => "deg/h",
+            Self::Dps => "deg/s",
+            Self::Radps => "rad/s",
+            Self::PulsesPerS => "pulses/s",
+            Self::Mps2 => "m/s^2",
+            Self::G => "g",
+        }
+    }
 }

@@ -12,7 +12,8 @@ use serde::{Deserialize, Serialize};
 pub enum Fault {
     /// There is no good table in the store: the unit runs uncompensated.
     NoTable,
-    /// One of the two tables is damaged; the other one is in use or could be.
+    /// One of the two tables is damaged or does not fit the board; the other one is in use or could
+    /// be.
     SpareTable,
     /// The flash failed to read, write or erase.
     Flash,

@@ -7,7 +7,7 @@ use tempco::MAX_AXES;
 use crate::FaultSet;
 
 /// Version of the protocol, major and minor.
-pub const VERSION: (u8, u8) = (1, 1);
+pub const VERSION: (u8, u8) = (2, 0);
 
 /// The most bytes of a chunk of an image; of whole words of any flash.
 pub const MAX_CHUNK: usize = 256;
@@ -109,11 +109,9 @@ pub enum Request<'a> {
     /// Passes these through the sampling interrupt instead of samples of the gyro, at the pace of
     /// its timer or as fast as it goes; answered by [`Response::Block`].
     Block(SampleBlock<'a>),
-    /// Sets the constant biases of re-zero to zero, in the store too. Since version 1.1.
+    /// Sets the constant biases of re-zero to zero, in the store too.
     ClearOffsets,
-    /// Asks for [`Response::ScaleFactor`]. Since version 1.1.
-    ScaleFactor,
-    /// Asks for [`Response::Losses`]. Since version 1.1.
+    /// Asks for [`Response::Losses`].
     Losses,
 }
 
@@ -157,6 +155,12 @@ pub enum Response<'a> {
         table_crc: u32,
         /// Number of updates and selections so far.
         sequence: u32,
+        /// Scale factor of the gyro, by which a unit turns pulses into angles \[arcsec/pulse\].
+        scale_factor_arcsec: f32,
+        /// Units that the axes of a table must have, channel by channel, by their codes in an image.
+        units: Vec<u8, MAX_AXES>,
+        /// The largest bias that a table may have, of each axis \[unit of the axis\].
+        max_bias: Axes,
     },
     /// The state of the unit.
     Telemetry(Telemetry),
@@ -183,11 +187,6 @@ pub enum Response<'a> {
     Faults(Vec<FaultEntry, MAX_FAULTS>),
     /// What became of a [`Request::Block`].
     Block(OutcomeBlock<'a>),
-    /// Scale factor of the gyro, by which a unit turns pulses into angles.
-    ScaleFactor {
-        /// Above 0 \[arcsec/pulse\].
-        arcsec: f32,
-    },
     /// What was lost since power-on.
     Losses(Losses),
 }
@@ -221,6 +220,22 @@ pub enum Refusal {
     Image,
     /// The store cannot do this.
     Store,
+    /// The table does not fit the board: an axis is in another unit.
+    Unit {
+        /// Number of the axis, channel by channel.
+        axis: u8,
+    },
+    /// The table does not fit the board: an axis was fitted with another scale factor, or with one
+    /// that is not stated.
+    ScaleFactor {
+        /// Number of the axis, channel by channel.
+        axis: u8,
+    },
+    /// The table does not fit the board: the bias of an axis may be too large.
+    Bias {
+        /// Number of the axis, channel by channel.
+        axis: u8,
+    },
 }
 
 /// One moment of a log, in place of a measurement.

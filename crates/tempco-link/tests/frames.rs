@@ -105,6 +105,9 @@ fn the_longest_messages_fit_and_longer_ones_are_refused() {
         bank: Some(Bank::B),
         table_crc: u32::MAX,
         sequence: u32::MAX,
+        scale_factor_arcsec: f32::MAX,
+        units: filled(&u8::MAX),
+        max_bias: filled(&f32::MAX),
     });
     let long = Frame {
         session: u32::MAX,
@@ -172,8 +175,7 @@ fn the_encoding_does_not_change() {
             }),
         ),
         (15, Request::ClearOffsets),
-        (16, Request::ScaleFactor),
-        (17, Request::Losses),
+        (16, Request::Losses),
     ] {
         assert_eq!(plain(&wire(9, 1, &request)).unwrap()[..3], [9, 1, number]);
     }
@@ -214,8 +216,7 @@ fn the_encoding_does_not_change() {
                 compensated: &[],
             }),
         ),
-        (11, Response::ScaleFactor { arcsec: 0.0 }),
-        (12, Response::Losses(Losses::default())),
+        (11, Response::Losses(Losses::default())),
     ] {
         let frame = Frame {
             session: 9,
@@ -225,6 +226,23 @@ fn the_encoding_does_not_change() {
         let mut bytes = [0; MAX_FRAME];
         let len = frame.encode(&mut bytes).unwrap();
         assert_eq!(plain(&bytes[..len]).unwrap()[..3], [9, 1, number]);
+    }
+    for (number, refusal) in [
+        (0, Refusal::Version),
+        (7, Refusal::Image),
+        (8, Refusal::Store),
+        (9, Refusal::Unit { axis: 0 }),
+        (10, Refusal::ScaleFactor { axis: 0 }),
+        (11, Refusal::Bias { axis: 0 }),
+    ] {
+        let frame = Frame {
+            session: 9,
+            sequence: 1,
+            message: Response::Refused(refusal),
+        };
+        let mut bytes = [0; MAX_FRAME];
+        let len = frame.encode(&mut bytes).unwrap();
+        assert_eq!(plain(&bytes[..len]).unwrap()[..4], [9, 1, 1, number]);
     }
 }
 

@@ -78,7 +78,7 @@ fn other_versions_sessions_and_orders_are_refused() {
     };
     // Session and sequence as varints, 1 for `Refused`, then which.
     let other_major = Request::Hello {
-        major: 2,
+        major: 1,
         minor: 0,
         nonce: 1,
     };
@@ -86,11 +86,11 @@ fn other_versions_sessions_and_orders_are_refused() {
     assert_eq!(refused(&wire(7, 2, &Request::Bit)), [vec![7, 2, 1, 1]]);
     // A newer minor version is welcome: 0 for `Hello`, version, nonce, session.
     let newer = Request::Hello {
-        major: 1,
+        major: 2,
         minor: 9,
         nonce: 4,
     };
-    assert_eq!(refused(&wire(0, 1, &newer)), [vec![0, 1, 0, 1, 1, 4, 7]]);
+    assert_eq!(refused(&wire(0, 1, &newer)), [vec![0, 1, 0, 2, 0, 4, 7]]);
     assert_eq!(refused(&wire(8, 2, &Request::Bit)), [vec![8, 2, 1, 1]]);
     assert_eq!(refused(&wire(7, 4, &Request::Bit)), [vec![7, 4, 1, 2, 2]]);
     assert_eq!(refused(&wire(7, 0, &Request::Bit)), [[0; 0]; 0]);

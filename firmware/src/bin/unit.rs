@@ -20,12 +20,12 @@ mod image {
     use tempco_firmware::stack;
     use tempco_firmware::unit::devices::{Gyro, ResetCause};
     use tempco_firmware::unit::exchange::{Counts, Exchange};
+    use tempco_firmware::unit::fit::{UNITS, fits, scale};
     use tempco_firmware::unit::offsets::Offsets;
     use tempco_firmware::unit::rezero::Limits;
     use tempco_firmware::unit::storage::Storage;
     use tempco_firmware::unit::{
         AXES, CHANNELS, IMAGE_LEN, Next, Parts, SCHEDULE, Sampling, Unit, UnitTables, known_answer,
-        scale,
     };
     use tempco_image::AlignedBytes;
 
@@ -73,8 +73,9 @@ mod image {
         type Buffer = AlignedBytes<IMAGE_LEN>;
         let buffer = singleton!(: Buffer = AlignedBytes([0; IMAGE_LEN]))?;
         let scratch = singleton!(: Buffer = AlignedBytes([0; IMAGE_LEN]))?;
+        let fits = fits::<BoardGyro, CHANNELS, AXES>(&UNITS);
         let (storage, image) =
-            Storage::boot::<CHANNELS, AXES>(flash, REGIONS, &mut buffer.0, &mut scratch.0).ok()?;
+            Storage::boot(flash, REGIONS, &fits, &mut buffer.0, &mut scratch.0).ok()?;
         let tables = image.as_ref().and_then(|image| {
             let tables = image.tables().ok()?;
             let tables: &UnitTables<CHANNELS, AXES> =
@@ -89,7 +90,7 @@ mod image {
         // Sampling: ramps and queues, scale of the gyro, offsets of re-zero.
         let exchange = singleton!(: Exchange<CHANNELS, AXES> = Exchange::new())?;
         let (interrupt_ends, ends) = exchange.split(&COUNTS);
-        let scale = scale::<BoardGyro, CHANNELS, AXES>(image.as_ref(), SCHEDULE.sample_rate_hz);
+        let scale = scale::<BoardGyro, CHANNELS, AXES>(&UNITS, SCHEDULE.sample_rate_hz);
         let limits = Limits::of::<BoardGyro>(&scale, SCHEDULE.sample_rate_hz);
         let kept = storage.offsets(tables.map_or(0, |(_, crc)| crc));
         let offsets = Offsets::new(kept, limits);

@@ -12,11 +12,15 @@ pub trait Gyro<const C: usize, const A: usize> {
     /// Pulses of the gyro per count; a quarter where every edge of two waves in quadrature counts.
     const PULSES_PER_COUNT: f32;
 
-    /// Scale factor of the gyro, for tables of angles; the link states it \[arcsec/pulse\].
+    /// Scale factor of the gyro: a table of angles must be of this one \[arcsec/pulse\].
     const SCALE_FACTOR_ARCSEC: f32;
 
     /// What it shows at rest; re-zero gives up beyond.
     const AT_REST: AtRest;
+
+    /// The largest bias that a table may have, by the bound of
+    /// [`Channel::max_bias`](tempco_image::Channel::max_bias) \[counts/s\].
+    const MAX_TABLE_BIAS: f32;
 
     /// Counts since the last call, channel by channel.
     fn counts(&mut self) -> [[i32; A]; C];

@@ -11,6 +11,7 @@
 //! - [`exchange`]: what goes between interrupt and main loop
 //! - [`Unit`]: the main loop, one pass at a time; its work is in `service`, with `requests` of the
 //!   link, `replays` of logs and `self_test` apart
+//! - [`fit`]: which tables fit the board
 //! - [`storage`]: tables, fault log and offsets in the flash
 //! - [`thermometry`]: temperatures on schedule, and what is wrong with the sensors
 //! - [`offsets`]: the constant biases, which a [`rezero`] finds at rest
@@ -26,6 +27,7 @@
 
 pub mod devices;
 pub mod exchange;
+pub mod fit;
 pub mod health;
 pub mod known_answer;
 mod load;
@@ -46,7 +48,7 @@ mod time;
 mod wire;
 
 pub use main_loop::{Next, Unit};
-pub use parts::{Parts, scale};
+pub use parts::Parts;
 pub use sampling::Sampling;
 
 use tempco::{Schedule, Table, ThermalChannels};

@@ -1,5 +1,8 @@
 //! Carries out the requests of the link.
 
+use heapless::Vec;
+use tempco::MAX_AXES;
+use tempco_image::Fit;
 use tempco_link::{Axes, Fault, Handler, MAX_CHUNK, Refusal, Request, Response};
 
 use super::SERIAL;
@@ -37,6 +40,9 @@ where
                 bank: self.storage.active().map(|active| bank_of(active.slot)),
                 table_crc: self.tables.map_or(0, |(_, crc)| crc),
                 sequence: self.storage.active().map_or(0, |active| active.sequence),
+                scale_factor_arcsec: self.scale_factor_arcsec,
+                units: self.fits(|fit| fit.unit.code()),
+                max_bias: self.fits(|fit| fit.max_bias),
             },
             Request::Telemetry { period_ms } => {
                 self.period_ms = period_ms;
@@ -56,9 +62,6 @@ where
                 expected,
             } => self.re_zero(averaging_s, &expected),
             Request::ClearOffsets => done(self.clear_offsets()),
-            Request::ScaleFactor => Response::ScaleFactor {
-                arcsec: self.scale_factor_arcsec,
-            },
             Request::Losses => Response::Losses(self.ends.counts.losses()),
             Request::SelectBank(bank) => done(self.storage.select::<C, A>(bank)),
             // A table into the bank that is not active: begin, chunks, commit, activate.
@@ -104,6 +107,11 @@ where
     T: Thermometers<C>,
     K: SampleClock,
 {
+    /// What each axis of a table must fit, channel by channel.
+    fn fits<V>(&self, of: fn(&Fit) -> V) -> Vec<V, MAX_AXES> {
+        self.storage.fits().iter().map(of).collect()
+    }
+
     /// The state as soon as there is a sample, which there is unless the interrupt has stopped.
     fn next_telemetry(&mut self) -> Response<'static> {
         let patience = 2 + self.schedule.sample_rate_hz as u32 / 1000;

@@ -162,6 +162,7 @@ mod tests {
             sigma: 0.0,
             max_bias: 0.0,
         };
+        const MAX_TABLE_BIAS: f32 = 0.0;
 
         fn counts(&mut self) -> [[i32; 1]; 1] {
             [[0]]

@@ -60,8 +60,8 @@ where
     }
 
     fn check_tables(&mut self) {
-        if let Some(slot) = self.storage.damaged() {
-            self.record_fault(Fault::SpareTable, slot);
+        if let Some(reason) = self.storage.bad() {
+            self.record_fault(Fault::SpareTable, reason);
         }
         if self.tables.is_none() {
             self.record_fault(Fault::NoTable, 0);

@@ -1,7 +1,8 @@
 //! Tables, fault log and offsets in the flash.
 
+use heapless::Vec;
 use tempco::MAX_AXES;
-use tempco_image::{Image, ImageError};
+use tempco_image::{Fit, Image, ImageError, Misfit};
 use tempco_link::{Bank, Fault, FaultEntry, MAX_FAULTS, Refusal};
 use tempco_store::{Active, Checked, FaultLog, Offsets, Slot, SlotState, Store, StoreError};
 
@@ -26,25 +27,55 @@ pub struct Storage<'t, F> {
     /// Where an image is loaded to be looked at; the one in use stays where it is.
     scratch: &'t mut [u8],
     active: Option<Active>,
-    /// Slots A and B, as boot or the last check found them.
-    is_damaged: [bool; 2],
+    /// What a table must fit, channel by channel.
+    fits: Vec<Fit, MAX_AXES>,
+    /// Why the images of slots A and B are not good, as boot or the last check found them.
+    bad: [Option<u32>; 2],
+}
+
+/// The image of a slot cannot be read, or its CRCs are wrong.
+const DAMAGED: u32 = 0;
+
+/// Why the image of a slot is not good: as in the fault log, where the number of the slot comes to
+/// it. The reason is in the upper half, an axis in the second byte.
+const fn reason(error: StoreError) -> u32 {
+    match error {
+        StoreError::Image(ImageError::Unfit { axis, why }) => {
+            let reason = match why {
+                Misfit::Unit => 1,
+                Misfit::ScaleFactor => 2,
+                Misfit::Bias => 3,
+            };
+            reason << 16 | (axis as u32) << 8
+        }
+        // It is whole: another unit's, or of another version.
+        StoreError::Image(_) => 4 << 16,
+        _ => DAMAGED,
+    }
 }
 
 /// The check by which an image is taken: integrity was checked before.
-fn accept<const C: usize, const A: usize>(image: &Image) -> Result<(), ImageError> {
-    image.expect_serial(SERIAL)?;
-    image.tables::<C, A>().map(drop)
+fn accept<const C: usize, const A: usize>(
+    fits: &[Fit],
+) -> impl Fn(&Image) -> Result<(), ImageError> {
+    move |image| {
+        image.expect_serial(SERIAL)?;
+        image.tables::<C, A>()?;
+        image.expect_fit(fits)
+    }
 }
 
 impl<'t, F: Flash> Storage<'t, F> {
-    /// Opens the flash, loads the image to use into `buffer` and validates it. Where there is
-    /// none, the unit runs uncompensated. Both buffers must be aligned to 4 bytes.
+    /// Opens the flash, loads the image to use into `buffer` and validates it; it must fit the
+    /// board as `fits` says. Where there is none, the unit runs uncompensated. Both buffers must be
+    /// aligned to 4 bytes.
     ///
     /// # Errors
     /// Regions that do not fit the flash; a defect of the board's module, and of nothing else.
     pub fn boot<const C: usize, const A: usize>(
         mut flash: F,
         regions: Regions,
+        fits: &[[Fit; A]; C],
         buffer: &'t mut [u8],
         scratch: &'t mut [u8],
     ) -> Result<(Self, Option<Image<'t>>), StoreError> {
@@ -54,7 +85,8 @@ impl<'t, F: Flash> Storage<'t, F> {
         let offsets = Offsets::open(&mut flash, regions.offsets)?;
         let [a, b] = regions.slots;
         let mut store = Store::new(&flash, a, b)?;
-        let boot = store.boot(&mut flash, buffer, accept::<C, A>);
+        let fits: Vec<Fit, MAX_AXES> = fits.as_flattened().iter().copied().collect();
+        let boot = store.boot(&mut flash, buffer, accept::<C, A>(&fits));
         let image = boot.active.and_then(|active| {
             let buffer: &'t [u8] = buffer;
             Image::read(buffer.get(..active.len)?).ok()
@@ -67,7 +99,11 @@ impl<'t, F: Flash> Storage<'t, F> {
             offsets,
             scratch,
             active: boot.active,
-            is_damaged: boot.slots.map(|slot| matches!(slot, SlotState::Bad(_))),
+            fits,
+            bad: boot.slots.map(|slot| match slot {
+                SlotState::Bad(error) => Some(reason(error)),
+                _ => None,
+            }),
         };
         Ok((storage, image))
     }
@@ -80,6 +116,11 @@ impl<'t, F: Flash> Storage<'t, F> {
     /// The image in use.
     pub const fn active(&self) -> Option<Active> {
         self.active
+    }
+
+    /// What a table must fit, channel by channel.
+    pub fn fits(&self) -> &[Fit] {
+        &self.fits
     }
 
     /// Puts an occurrence of a fault into the log.
@@ -100,7 +141,7 @@ impl<'t, F: Flash> Storage<'t, F> {
     }
 
     /// Faults that occurred, from a code on.
-    pub fn faults(&self, from_code: u16) -> heapless::Vec<FaultEntry, MAX_FAULTS> {
+    pub fn faults(&self, from_code: u16) -> Vec<FaultEntry, MAX_FAULTS> {
         let all = self.faults.faults().iter().take(BOOTS).zip(0..);
         let occurred = all.filter(|(fault, code)| fault.count > 0 && *code >= from_code);
         let entry = |(fault, code): (&tempco_store::Fault, u16)| FaultEntry {
@@ -142,23 +183,28 @@ impl<'t, F: Flash> Storage<'t, F> {
         self.remember(checked);
     }
 
-    /// Number of a slot that is damaged, as far as is known.
-    pub fn damaged(&self) -> Option<u32> {
-        let slots = self.is_damaged.iter().zip(0..);
-        slots
-            .filter(|(is_damaged, _)| **is_damaged)
-            .map(|(_, slot)| slot)
-            .next()
+    /// Why the image of a slot is not good, with the number of the slot, as far as is known.
+    pub fn bad(&self) -> Option<u32> {
+        let mut slots = self.bad.iter().zip(0..);
+        slots.find_map(|(reason, slot)| reason.map(|reason| reason | slot))
     }
 
     fn remember(&mut self, checked: Checked) {
-        let [a, b] = &mut self.is_damaged;
-        let (slot, is_damaged) = match checked {
-            Checked::Underway(_) => return,
-            Checked::Bad(slot, _) => (slot, true),
-            Checked::Passed(slot) | Checked::Good(slot) => (slot, false),
-        };
-        *if slot == Slot::A { a } else { b } = is_damaged;
+        match checked {
+            Checked::Underway(_) => {}
+            Checked::Passed(slot) => *self.bad_mut(slot) = None,
+            // An image that is whole may yet be one that does not fit.
+            Checked::Good(slot) => {
+                let bad = self.bad_mut(slot);
+                *bad = bad.filter(|reason| *reason != DAMAGED);
+            }
+            Checked::Bad(slot, _) => _ = self.bad_mut(slot).get_or_insert(DAMAGED),
+        }
+    }
+
+    fn bad_mut(&mut self, slot: Slot) -> &mut Option<u32> {
+        let [a, b] = &mut self.bad;
+        if slot == Slot::A { a } else { b }
     }
 
     /// Checks the whole of both slots now, from wherever the periodic check is.
@@ -177,8 +223,10 @@ impl<'t, F: Flash> Storage<'t, F> {
         if len as usize > self.scratch.len() {
             return Err(Refusal::Store);
         }
-        let begun = self.store.begin(&mut self.flash, len);
-        begun.map(drop).map_err(refusal)
+        let slot = self.store.begin(&mut self.flash, len).map_err(refusal)?;
+        // What was there is no more.
+        *self.bad_mut(slot) = None;
+        Ok(())
     }
 
     /// Takes a chunk; where the next one begins.
@@ -203,9 +251,10 @@ impl<'t, F: Flash> Storage<'t, F> {
             store,
             flash,
             scratch,
+            fits,
             ..
         } = self;
-        let committed = store.commit(flash, len, crc, scratch, accept::<C, A>);
+        let committed = store.commit(flash, len, crc, scratch, accept::<C, A>(fits));
         committed.map_err(refusal)
     }
 
@@ -218,9 +267,10 @@ impl<'t, F: Flash> Storage<'t, F> {
             store,
             flash,
             scratch,
+            fits,
             ..
         } = self;
-        let selected = store.select(flash, slot_of(bank), scratch, accept::<C, A>);
+        let selected = store.select(flash, slot_of(bank), scratch, accept::<C, A>(fits));
         selected.map_err(refusal)
     }
 
@@ -269,6 +319,14 @@ fn refusal(error: StoreError) -> Refusal {
     crate::warn!("store: {}", error);
     match error {
         StoreError::Offset { expected } => Refusal::Offset { expected },
+        StoreError::Image(ImageError::Unfit { axis, why }) => {
+            let axis = axis as u8;
+            match why {
+                Misfit::Unit => Refusal::Unit { axis },
+                Misfit::ScaleFactor => Refusal::ScaleFactor { axis },
+                Misfit::Bias => Refusal::Bias { axis },
+            }
+        }
         StoreError::Image(_) | StoreError::Different | StoreError::Incomplete => Refusal::Image,
         _ => Refusal::Store,
     }

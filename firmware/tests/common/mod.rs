@@ -8,25 +8,27 @@ use std::rc::Rc;
 use std::sync::atomic::AtomicU32;
 
 use embedded_io::{ErrorType, Read, ReadReady, Write};
-use tempco::{Schedule, Status};
+use tempco::{Schedule, Status, Terms};
 use tempco_firmware::board::mps2_an386::nor::{Nor, REGIONS, WORDS};
 use tempco_firmware::table;
 use tempco_firmware::unit::devices::{
     AtRest, Devices, Gyro, ResetCause, SampleClock, Thermometers, Watchdog,
 };
 use tempco_firmware::unit::exchange::{Counts, Exchange};
+use tempco_firmware::unit::fit::{UNITS, fits, scale};
 use tempco_firmware::unit::known_answer;
 use tempco_firmware::unit::offsets::Offsets;
 use tempco_firmware::unit::rezero::Limits;
 use tempco_firmware::unit::storage::Storage;
 use tempco_firmware::unit::{
-    AXES, CHANNELS, IMAGE_LEN, Next, Parts, SERIAL, Sampling, Unit, UnitTables, scale,
+    AXES, CHANNELS, IMAGE_LEN, Next, Parts, SERIAL, Sampling, Unit, UnitTables,
 };
 use tempco_image::{AlignedBytes, Axis, Channel, Info, Unit as AxisUnit, encode};
 use tempco_link::{
     Client, Event, Fault, FaultEntry, FaultSet, MAX_CHUNK, Refusal, Request, Response, Telemetry,
 };
 use tempco_sensors::SensorFault;
+use tempco_store::Store;
 
 /// A twentieth of the unit's gyro rate and its rate of temperatures: tests of minutes are short.
 pub(crate) const SCHEDULE: Schedule = Schedule {
@@ -44,6 +46,8 @@ pub(crate) struct Bench {
     pub(crate) late: Rc<Cell<u32>>,
     /// Periods for which the next interrupt is held back, as while a flash is erased.
     pub(crate) held: Rc<Cell<u32>>,
+    /// In place of the units of the table that the firmware was built with.
+    pub(crate) units: [[AxisUnit; AXES]; CHANNELS],
     /// In place of the test by the known answer.
     pub(crate) knows_the_answer: fn() -> bool,
     line: Line,
@@ -117,6 +121,8 @@ impl<const C: usize, const A: usize> Gyro<C, A> for Counter {
         sigma: 10.0,
         max_bias: 200.0,
     };
+    /// A table in pulses/s may have as much.
+    const MAX_TABLE_BIAS: f32 = 50.0;
 
     fn counts(&mut self) -> [[i32; A]; C] {
         [[self.0.get(); A]; C]
@@ -233,6 +239,7 @@ impl Bench {
             fed: Rc::default(),
             late: Rc::default(),
             held: Rc::default(),
+            units: UNITS,
             knows_the_answer: known_answer::is_right,
             line: Line::default(),
             client: Client::new(),
@@ -253,16 +260,16 @@ impl Bench {
         let cells = std::mem::take(&mut self.flash);
         let mut buffer = AlignedBytes([0; IMAGE_LEN]);
         let mut scratch = AlignedBytes([0; IMAGE_LEN]);
+        let fits = fits::<Counter, CHANNELS, AXES>(&self.units);
         let (storage, image) =
-            Storage::boot::<CHANNELS, AXES>(Nor(&cells), REGIONS, &mut buffer.0, &mut scratch.0)
-                .unwrap();
+            Storage::boot(Nor(&cells), REGIONS, &fits, &mut buffer.0, &mut scratch.0).unwrap();
         let tables: Option<UnitTables<CHANNELS, AXES>> =
             image.as_ref().map(|image| image.tables().unwrap());
         let table_crc = image.as_ref().map_or(0, |image| image.info().table_crc);
         let counts = Counts::new();
         let mut exchange = Exchange::new();
         let (interrupt_ends, ends) = exchange.split(&counts);
-        let scale = scale::<Counter, CHANNELS, AXES>(image.as_ref(), SCHEDULE.sample_rate_hz);
+        let scale = scale::<Counter, CHANNELS, AXES>(&self.units, SCHEDULE.sample_rate_hz);
         let limits = Limits::of::<Counter>(&scale, SCHEDULE.sample_rate_hz);
         let offsets = Offsets::new(storage.offsets(table_crc), limits);
         let sampling = Sampling::new(Counter(self.counts.clone()), interrupt_ends, scale);
@@ -426,6 +433,22 @@ impl Bench {
         self.done(unit, &Request::UploadCommit { len, crc })
     }
 
+    /// Writes an image into the spare bank whatever it is, and chooses it.
+    pub(crate) fn load(&mut self, image: &[u8]) {
+        let mut flash = Nor(&self.flash);
+        let [a, b] = REGIONS.slots;
+        let mut store = Store::new(&flash, a, b).unwrap();
+        let mut buffer = AlignedBytes([0; IMAGE_LEN]);
+        let len = image.len() as u32;
+        store.boot(&mut flash, &mut buffer.0, |_| Ok(()));
+        store.begin(&mut flash, len).unwrap();
+        store.write(&mut flash, 0, image).unwrap();
+        let crc = Store::crc(image);
+        store
+            .commit(&mut flash, len, crc, &mut buffer.0, |_| Ok(()))
+            .unwrap();
+    }
+
     /// A unit with a table in each slot, of which B is in use.
     pub(crate) fn with_tables() -> Self {
         let mut bench = Self::new();
@@ -442,6 +465,13 @@ impl Bench {
 /// The image of the table that the firmware was built with.
 pub(crate) fn image(serial: &str, table_crc: u32) -> Vec<u8> {
     let [table] = &table::TABLES;
+    let axes = [Axis::new(AxisUnit::PulsesPerS); AXES];
+    image_of(serial, table_crc, &axes, table.cells().as_flattened())
+}
+
+/// An image of other axes or cells.
+pub(crate) fn image_of(serial: &str, table_crc: u32, axes: &[Axis], cells: &[Terms]) -> Vec<u8> {
+    let [table] = &table::TABLES;
     let channel = Channel {
         thermal: *table.thermal().settings(),
         first_edge_c: -15.0,
@@ -449,8 +479,8 @@ pub(crate) fn image(serial: &str, table_crc: u32) -> Vec<u8> {
         t_min_c: -15.0,
         t_max_c: 80.0,
         period_s: 0.1,
-        axes: Axis::array(&[Axis::new(AxisUnit::PulsesPerS); AXES]),
-        cells: table.cells().as_flattened(),
+        axes: Axis::array(axes),
+        cells,
     };
     let info = Info {
         serial,

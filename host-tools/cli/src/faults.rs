@@ -25,12 +25,11 @@ pub(crate) fn run(args: &Args) -> Result<Exit> {
     } else {
         show(&faults)?;
     }
-    if let Some(losses) = unit.losses()? {
-        print(format_args!(
-            "lost since power-on: {} gyro samples, {} outcomes for telemetry, {} of replays",
-            losses.missed_samples, losses.moments, losses.replies
-        ))?;
-    }
+    let losses = unit.losses()?;
+    print(format_args!(
+        "lost since power-on: {} gyro samples, {} outcomes for telemetry, {} of replays",
+        losses.missed_samples, losses.moments, losses.replies
+    ))?;
     Ok(Exit::Acceptable)
 }
 

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result};
 use tempco_hil::flash_set;
 
 use crate::Exit;
@@ -15,16 +15,16 @@ use crate::shared_args::scale_factor;
 /// Write a coefficient set into a unit over its serial port
 ///
 /// The set goes into the bank that is not in use. The unit checks it, resets itself and runs on it.
-/// A set of another serial number, shape or scale factor is refused before anything is written. If
-/// a step fails, the unit keeps its table.
+/// A set of another serial number, shape, unit or scale factor, or of larger biases than the unit
+/// takes, is refused before anything is written. If a step fails, the unit keeps its table.
 #[derive(clap::Args)]
 #[command(after_help = "Example: tempco flash-set RLG-7/coefficients.json --port /dev/ttyUSB0")]
 pub(crate) struct Args {
     /// Coefficient set (coefficients.json) or flash image (table.bin)
     #[arg(value_name = "SET")]
     set: PathBuf,
-    /// Angle per pulse, in arcsec, for a table in deg/h, deg/s or rad/s. Needed where the set does
-    /// not hold it
+    /// Angle per pulse, in arcsec, for a coefficients.json in deg/h, deg/s or rad/s that does not
+    /// state it
     #[arg(long, value_name = "ARCSEC", value_parser = scale_factor, allow_negative_numbers = true)]
     scale_factor: Option<f64>,
     #[command(flatten)]
@@ -32,21 +32,10 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(args: &Args) -> Result<Exit> {
-    let (image, of_set) = image::of_set(&args.set)?;
-    if let (Some(given), Some(of_set)) = (args.scale_factor, of_set) {
-        ensure!(
-            given == of_set,
-            "--scale-factor {given}: the set was fitted with {of_set} arcsec per pulse"
-        );
-    }
+    let image = image::of_set(&args.set, args.scale_factor)?;
     let mut unit = args.port.connect()?;
     let progress = Progress::over_upload(image.bytes().len() as u64);
-    let written = flash_set(
-        &mut unit,
-        image.bytes(),
-        args.scale_factor.or(of_set),
-        |bytes| progress.at(bytes as u64),
-    );
+    let written = flash_set(&mut unit, image.bytes(), |bytes| progress.at(bytes as u64));
     drop(progress);
     let now = written.with_context(|| args.set.display().to_string())?;
     print(format_args!(

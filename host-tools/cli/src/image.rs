@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use anyhow::{Context, Error, Result, ensure};
-use tempco_image::{AlignedBytes, Channel, Image, ImageError, Unit};
+use tempco_image::{AlignedBytes, Channel, Image, ImageError};
 use tempco_set::{check_folder, load_set, read_set, table_bin};
 
 use crate::Exit;
@@ -67,16 +67,28 @@ impl Placed {
     }
 }
 
-/// The image of a set, and its scale factor if it is known \[arcsec/pulse\]. The image is read from
-/// a file, or made from `coefficients.json`.
-pub(crate) fn of_set(path: &Path) -> Result<(Placed, Option<f64>)> {
+/// The image of a set: read from a file, or made from `coefficients.json`. A scale factor is given
+/// where the set does not state its own \[arcsec/pulse\].
+pub(crate) fn of_set(path: &Path, scale_factor_arcsec: Option<f64>) -> Result<Placed> {
     if is_image(path) {
+        ensure!(
+            scale_factor_arcsec.is_none(),
+            "--scale-factor: {}: expected coefficients.json; an image holds its own",
+            path.display()
+        );
         check_folder(path)?;
-        return Ok((Placed::read(path)?, None));
+        return Placed::read(path);
     }
-    let set = load_set(path)?;
+    let mut set = load_set(path)?;
+    if let Some(given) = scale_factor_arcsec {
+        let of_set = *set.settings.scale_factor_arcsec.get_or_insert(given);
+        ensure!(
+            given == of_set,
+            "--scale-factor {given}: the set was fitted with {of_set} arcsec per pulse"
+        );
+    }
     let image = table_bin(&set).map_err(Error::msg)?;
-    Ok((Placed::of(&image), set.settings.scale_factor_arcsec))
+    Ok(Placed::of(&image))
 }
 
 /// Whether the files in the folder of a set or image are of one set. Names those that are not.
@@ -135,7 +147,7 @@ fn show(image: &Image, in_full: bool) -> Result<()> {
 fn show_channel(number: usize, channel: &Channel, in_full: bool) -> Result<()> {
     let s = &channel.thermal;
     let axes = || channel.axes.iter().flatten();
-    let units: Vec<&str> = axes().map(|axis| symbol(axis.unit)).collect();
+    let units: Vec<&str> = axes().map(|axis| axis.unit.symbol()).collect();
     print_wrapped(&format!(
         "channel {number}: {} to {} degC, {} to {} degC/min; {} cells from {} to {} degC; axes in {}",
         channel.t_min_c,
@@ -178,15 +190,4 @@ fn show_channel(number: usize, channel: &Channel, in_full: bool) -> Result<()> {
         s.heal_s,
         s.reference_c,
     ))
-}
-
-const fn symbol(unit: Unit) -> &'static str {
-    match unit {
-        Unit::Dph => "deg/h",
-        Unit::Dps => "deg/s",
-        Unit::Radps => "rad/s",
-        Unit::PulsesPerS => "pulses/s",
-        Unit::Mps2 => "m/s^2",
-        Unit::G => "g",
-    }
 }

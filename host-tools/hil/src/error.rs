@@ -4,7 +4,7 @@ use std::io;
 use std::path::PathBuf;
 use std::time::Duration;
 
-use tempco_image::ImageError;
+use tempco_image::{ImageError, Unit as AxisUnit};
 use tempco_link::{LinkError, Refusal, VERSION};
 
 use crate::flash::Shape;
@@ -109,24 +109,50 @@ pub enum Error {
         /// Shape of the unit.
         unit: Shape,
     },
-    /// The table is not of rates that a gyro's pulses can be turned into.
+    /// The table is in another unit than the firmware was built for.
     #[error(
-        "the table is in {unit}, but the unit counts the pulses of a gyro: nothing was written"
+        "axis {axis} of the table is in {}, but {}: nothing was written",
+        table.symbol(),
+        built_for(*table, *unit)
     )]
-    NotOfAGyro {
-        /// Unit of an axis of the table.
-        unit: &'static str,
+    Unit {
+        /// Number of the axis, channel by channel.
+        axis: usize,
+        /// Unit of the table.
+        table: AxisUnit,
+        /// Unit that the firmware was built for.
+        unit: AxisUnit,
     },
     /// The table is of angles that are not the unit's.
     #[error(
-        "{}, but the unit turns pulses into angles by {unit} arcsec: nothing was written",
-        made_with(*table)
+        "axis {axis} of the table {}, but the unit turns pulses into angles by {unit} arcsec; {}: \
+         nothing was written",
+        made_with(*table),
+        make_with(*table, *unit)
     )]
     ScaleFactor {
-        /// Scale factor of the gyro as of the table, if it is known \[arcsec/pulse\].
-        table: Option<f64>,
+        /// Number of the axis, channel by channel.
+        axis: usize,
+        /// Scale factor of the gyro as of the table; 0 where it is not stated \[arcsec/pulse\].
+        table: f32,
         /// Scale factor as of the unit \[arcsec/pulse\].
         unit: f32,
+    },
+    /// The table may take out more than the unit lets it.
+    #[error(
+        "the bias of axis {axis} of the table may be {table} {symbol}, but the unit takes {limit} \
+         {symbol} at most; is the set one of this gyro? If so, raise MAX_TABLE_BIAS of its board: \
+         nothing was written"
+    )]
+    Bias {
+        /// Number of the axis, channel by channel.
+        axis: usize,
+        /// Bound of the bias \[unit of the axis\].
+        table: f32,
+        /// The largest bias that the unit takes \[unit of the axis\].
+        limit: f32,
+        /// Symbol of the axis's unit.
+        symbol: &'static str,
     },
     /// The unit did not take the new table into use.
     #[error(
@@ -151,12 +177,30 @@ fn example(unit: &str) -> &'static str {
     }
 }
 
-fn made_with(scale_factor_arcsec: Option<f64>) -> String {
-    match scale_factor_arcsec {
-        Some(arcsec) => format!("the table was fitted with {arcsec} arcsec per pulse"),
-        None => "the table is of angles and does not say by how many arcsec per pulse they were \
-                 made (--scale-factor)"
-            .to_owned(),
+fn built_for(table: AxisUnit, unit: AxisUnit) -> String {
+    match table {
+        AxisUnit::Mps2 | AxisUnit::G => "the unit counts the pulses of a gyro".to_owned(),
+        _ => format!(
+            "the firmware of the unit was built for {}; fit again in that unit, or build the \
+             firmware with TEMPCO_TABLE=path/to/table.rs of this set",
+            unit.symbol()
+        ),
+    }
+}
+
+fn made_with(scale_factor_arcsec: f32) -> String {
+    if scale_factor_arcsec == 0.0 {
+        "is of angles and does not say by how many arcsec per pulse they were made".to_owned()
+    } else {
+        format!("was fitted with {scale_factor_arcsec} arcsec per pulse")
+    }
+}
+
+fn make_with(table: f32, unit: f32) -> String {
+    if table == 0.0 {
+        "give coefficients.json and --scale-factor".to_owned()
+    } else {
+        format!("fit again with --scale-factor {unit}, or correct SCALE_FACTOR_ARCSEC of its board")
     }
 }
 
@@ -182,6 +226,17 @@ fn reason(refusal: Refusal) -> String {
         Refusal::Image => {
             "the image is not good for it; its log says which check failed".to_owned()
         }
+        Refusal::Unit { axis } => {
+            format!("axis {axis} of the table is in another unit than its firmware was built for")
+        }
+        Refusal::ScaleFactor { axis } => format!(
+            "axis {axis} of the table was fitted with another scale factor than that of its board, \
+             or does not say with which"
+        ),
+        Refusal::Bias { axis } => format!(
+            "the bias of axis {axis} of the table may be larger than its board lets it; is the set \
+             one of this gyro?"
+        ),
         Refusal::Store => "its flash failed, or there is no such table in it".to_owned(),
         _ => format!("{refusal:?}"),
     }

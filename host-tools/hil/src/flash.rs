@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use tempco_image::{AlignedBytes, CRC, Image, Unit as AxisUnit};
+use tempco_image::{AlignedBytes, CRC, Image, ImageError, Misfit};
 use tempco_link::{Bank, MAX_CHUNK, Request, Response};
 
 use crate::{Error, Identity, Unit};
@@ -32,27 +32,19 @@ impl fmt::Display for Shape {
 /// Writes the image of a table into the bank that is not in use, has the unit take it into use,
 /// waits for its boot and asks which table it runs on. `progress` gets the bytes written so far.
 ///
-/// A table of angles is only right where the unit turns pulses into angles by the scale factor
-/// that the table was fitted with, `scale_factor_arcsec` \[arcsec/pulse\]; for others it is not
-/// looked at.
-///
 /// Whatever fails, the unit keeps a good table: the image counts only once it is whole, checked by
 /// the unit and committed.
 ///
 /// # Errors
-/// An image that is damaged, of another unit, shape or scale factor, before anything is written; a
-/// refusal of the unit; a unit that runs on another table after its reset.
+/// An image that is damaged, of another unit or shape, or that does not fit the board, before
+/// anything is written; a refusal of the unit; a unit that runs on another table after its reset.
 pub fn flash_set(
     unit: &mut Unit,
     image: &[u8],
-    scale_factor_arcsec: Option<f64>,
     mut progress: impl FnMut(usize),
 ) -> Result<Identity, Error> {
     let before = unit.identify()?;
-    let table = check(image, &before)?;
-    if table.is_of_angles {
-        check_scale_factor(unit, scale_factor_arcsec)?;
-    }
+    let table_crc = check(image, &before)?;
     let len = image.len() as u32;
     expect(unit, &Request::UploadBegin { len }, 0)?;
     for (number, bytes) in image.chunks(MAX_CHUNK).enumerate() {
@@ -74,7 +66,7 @@ pub fn flash_set(
     }
     unit.reconnect()?;
     let after = unit.identify()?;
-    if after.table_crc == table.crc && after.bank.is_some() && after.bank != before.bank {
+    if after.table_crc == table_crc && after.bank.is_some() && after.bank != before.bank {
         Ok(after)
     } else {
         Err(Error::NotInUse {
@@ -83,27 +75,8 @@ pub fn flash_set(
     }
 }
 
-/// What is to be known of a table that fits.
-struct Fitting {
-    crc: u32,
-    is_of_angles: bool,
-}
-
-/// Scale factors that differ by less are the same, but for their rounding to single precision.
-const SAME_SCALE: f64 = 1e-6;
-
-fn check_scale_factor(unit: &mut Unit, table: Option<f64>) -> Result<(), Error> {
-    let unit = unit.scale_factor_arcsec()?;
-    let is_same =
-        |table: f64| (table - f64::from(unit)).abs() <= SAME_SCALE * f64::from(unit).abs();
-    match table {
-        Some(table) if is_same(table) => Ok(()),
-        table => Err(Error::ScaleFactor { table, unit }),
-    }
-}
-
-/// Checks the image and that it is the unit's.
-fn check(image: &[u8], unit: &Identity) -> Result<Fitting, Error> {
+/// Checks the image and that it is the unit's, as the unit does; returns the CRC of its table.
+fn check(image: &[u8], unit: &Identity) -> Result<u32, Error> {
     // Cells are used in place, which takes an aligned place.
     let mut place = Box::new(AlignedBytes([0; MOST_BYTES]));
     let room = place.0.get_mut(..image.len());
@@ -121,27 +94,42 @@ fn check(image: &[u8], unit: &Identity) -> Result<Fitting, Error> {
         channels: image.channels(),
         axes: image.axes(),
     };
-    let unit = Shape {
+    let shape = Shape {
         channels: unit.channels.into(),
         axes: unit.axes.into(),
     };
-    if table != unit {
-        return Err(Error::Shape { table, unit });
+    if table != shape {
+        return Err(Error::Shape { table, unit: shape });
     }
-    let mut is_of_angles = false;
-    for channel in 0..image.channels() {
-        for axis in image.channel(channel)?.axes.iter().flatten() {
-            match axis.unit {
-                AxisUnit::Dph | AxisUnit::Dps | AxisUnit::Radps => is_of_angles = true,
-                AxisUnit::PulsesPerS => {}
-                AxisUnit::Mps2 => return Err(Error::NotOfAGyro { unit: "m/s^2" }),
-                AxisUnit::G => return Err(Error::NotOfAGyro { unit: "g" }),
-            }
-        }
+    match image.expect_fit(&unit.fits) {
+        Err(ImageError::Unfit { axis, why }) => Err(misfit(&image, unit, axis, why)?),
+        other => Ok(other.map(|()| image.info().table_crc)?),
     }
-    Ok(Fitting {
-        crc: image.info().table_crc,
-        is_of_angles,
+}
+
+/// What does not fit, with the figures of both sides. The axis is counted channel by channel.
+fn misfit(image: &Image, unit: &Identity, axis: usize, why: Misfit) -> Result<Error, ImageError> {
+    let channel = image.channel(axis / image.axes())?;
+    let number = axis % image.axes();
+    let record = channel.axes[number].ok_or(ImageError::Shape)?;
+    let fit = unit.fits[axis];
+    Ok(match why {
+        Misfit::Unit => Error::Unit {
+            axis,
+            table: record.unit,
+            unit: fit.unit,
+        },
+        Misfit::ScaleFactor => Error::ScaleFactor {
+            axis,
+            table: record.scale_factor_arcsec,
+            unit: fit.scale_factor_arcsec,
+        },
+        Misfit::Bias => Error::Bias {
+            axis,
+            table: channel.max_bias(number),
+            limit: fit.max_bias,
+            symbol: record.unit.symbol(),
+        },
     })
 }
 

@@ -19,7 +19,7 @@
 //! let mut unit = Unit::connect(port, Patience::default())?;
 //! println!("unit {}", unit.identify()?.serial);
 //! let image = std::fs::read("set/table.bin")?;
-//! flash_set(&mut unit, &image, Some(1.0), |bytes| println!("{bytes} bytes"))?;
+//! flash_set(&mut unit, &image, |bytes| println!("{bytes} bytes"))?;
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 #![forbid(unsafe_code)]

@@ -5,6 +5,7 @@ use std::io;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use tempco::Schedule;
+use tempco_image::{Fit, Unit as AxisUnit};
 use tempco_link::{
     Bank, Client, Event, FaultEntry, FaultSet, LinkError, Losses, MAX_FAULTS, Refusal, Request,
     Response, Telemetry, VERSION,
@@ -56,6 +57,10 @@ pub struct Identity {
     pub table_crc: u32,
     /// Number of updates and selections so far.
     pub sequence: u32,
+    /// Scale factor of the gyro \[arcsec/pulse\].
+    pub scale_factor_arcsec: f32,
+    /// What each axis of a table must fit, channel by channel.
+    pub fits: Vec<Fit>,
 }
 
 /// A unit, with an open session.
@@ -233,6 +238,9 @@ impl Unit {
                 bank,
                 table_crc,
                 sequence,
+                scale_factor_arcsec,
+                ref units,
+                ref max_bias,
             } => Some(Identity {
                 serial: serial.to_owned(),
                 firmware: firmware.to_owned(),
@@ -245,6 +253,18 @@ impl Unit {
                 bank,
                 table_crc,
                 sequence,
+                scale_factor_arcsec,
+                fits: {
+                    let axes = units.iter().zip(max_bias);
+                    let fit = |(code, max_bias): (&u8, &f32)| {
+                        Some(Fit {
+                            unit: AxisUnit::from_code(*code)?,
+                            scale_factor_arcsec,
+                            max_bias: *max_bias,
+                        })
+                    };
+                    axes.map(fit).collect::<Option<_>>()?
+                },
             }),
             _ => None,
         })
@@ -313,35 +333,15 @@ impl Unit {
         }
     }
 
-    /// The scale factor by which the unit turns pulses into angles \[arcsec/pulse\].
-    ///
-    /// # Errors
-    /// As of [`ask`](Self::ask); [`Refusal::Unknown`] from firmware before version 1.1 of the
-    /// protocol.
-    pub fn scale_factor_arcsec(&mut self) -> Result<f32, Error> {
-        self.ask(&Request::ScaleFactor, |response| match response {
-            Response::ScaleFactor { arcsec } => Some(*arcsec),
-            _ => None,
-        })
-    }
-
-    /// What the unit has lost since power-on; none of firmware before version 1.1 of the protocol,
-    /// which does not say.
+    /// What the unit has lost since power-on.
     ///
     /// # Errors
     /// As of [`ask`](Self::ask).
-    pub fn losses(&mut self) -> Result<Option<Losses>, Error> {
-        let losses = self.ask(&Request::Losses, |response| match response {
+    pub fn losses(&mut self) -> Result<Losses, Error> {
+        self.ask(&Request::Losses, |response| match response {
             Response::Losses(losses) => Some(*losses),
             _ => None,
-        });
-        match losses {
-            Err(Error::Refused {
-                refusal: Refusal::Unknown,
-                ..
-            }) => Ok(None),
-            other => other.map(Some),
-        }
+        })
     }
 
     /// Asks what is answered by [`Response::Done`] alone.
@@ -384,7 +384,6 @@ const fn is_repeatable(request: &Request) -> bool {
             | Request::Download { .. }
             | Request::Faults { .. }
             | Request::Restart
-            | Request::ScaleFactor
             | Request::Losses
     )
 }
@@ -408,7 +407,6 @@ const fn name(request: &Request) -> &'static str {
         Request::Restart => "the start of a replay",
         Request::Block(_) => "a block of a log",
         Request::ClearOffsets => "the clearing of its offsets",
-        Request::ScaleFactor => "the question for its scale factor",
         Request::Losses => "the question what it has lost",
         _ => "a request",
     }

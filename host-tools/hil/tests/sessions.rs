@@ -8,8 +8,8 @@ use std::time::Duration;
 
 use common::{Figure, SCHEDULE, Wire, image_in, image_of, spawn};
 use tempco_hil::{Error, Patience, Unit, download, flash_set, open, replay};
-use tempco_image::{AlignedBytes, Image};
-use tempco_link::{Bank, Request};
+use tempco_image::{AlignedBytes, Fit, Image};
+use tempco_link::{Bank, Refusal, Request};
 use tempco_replay::Sample;
 
 const GOOD: [Wire; 2] = [Wire::GOOD, Wire::GOOD];
@@ -40,7 +40,7 @@ fn a_table_goes_in_and_comes_out_again_over_good_and_bad_wires() {
         for (round, bank) in [(1, Bank::A), (2, Bank::B), (3, Bank::A)] {
             let image = image_of("SN1", round, round as f32);
             let mut told = Vec::new();
-            let after = flash_set(&mut unit, &image, Some(1.0), |bytes| told.push(bytes)).unwrap();
+            let after = flash_set(&mut unit, &image, |bytes| told.push(bytes)).unwrap();
             assert_eq!((after.table_crc, after.bank), (round, Some(bank)));
             assert!(told.is_sorted() && told.last() == Some(&image.len()));
             assert_eq!(download(&mut unit, bank).unwrap(), image);
@@ -52,8 +52,8 @@ fn a_table_goes_in_and_comes_out_again_over_good_and_bad_wires() {
         assert!(is_good || kept.done > 0);
         assert_eq!(
             kept.done,
-            // Identity, scale factor, upload, use, identity, download.
-            1 + rounds * (1 + 1 + 1 + chunks + 1 + 1 + 1 + chunks + 1)
+            // Identity, upload, use, identity, download.
+            1 + rounds * (1 + 1 + chunks + 1 + 1 + 1 + chunks + 1)
         );
     }
 }
@@ -77,7 +77,7 @@ fn a_table_of_another_unit_or_shape_is_refused_before_anything_is_written() {
         (&good[..100].to_vec(), "the image of the table: 100 bytes"),
         (&vec![0; 300_000], "the image of the table"),
     ] {
-        let error = flash_set(&mut unit, image, Some(1.0), |_| panic!("written")).unwrap_err();
+        let error = flash_set(&mut unit, image, |_| panic!("written")).unwrap_err();
         assert!(error.to_string().contains(expected), "{error}");
     }
     assert_eq!(
@@ -88,64 +88,113 @@ fn a_table_of_another_unit_or_shape_is_refused_before_anything_is_written() {
 }
 
 #[test]
-fn a_table_of_angles_is_refused_where_its_scale_factor_is_not_that_of_the_unit() {
-    use tempco_image::Unit::{Dph, Dps, G, Mps2, PulsesPerS, Radps};
+fn a_table_that_does_not_fit_the_board_is_refused_in_words_that_help() {
+    use tempco_image::Unit::{Dph, Dps, G, Mps2, PulsesPerS};
     let (port, flash) = spawn("SN1", GOOD);
-    flash.lock().unwrap().scale_factor_arcsec = Some(0.7);
     let mut unit = connect(port);
-    let fitted = "fitted with 0.5 arcsec per pulse, but the unit turns pulses into angles by 0.7";
-    for (units, scale_factor, refused) in [
-        (Dph, Some(0.5), Some(fitted)),
-        (Dps, Some(0.5), Some(fitted)),
-        (Radps, Some(0.5), Some(fitted)),
-        (Dph, Some(0.700002), Some("0.700002")),
-        (Dph, Some(f64::NAN), Some("NaN")),
-        (Dph, None, Some("--scale-factor")),
-        (Mps2, Some(0.7), Some("the table is in m/s^2")),
-        (G, Some(0.7), Some("the table is in g")),
-        (Dph, Some(0.7), None),
-        (PulsesPerS, None, None),
-        (PulsesPerS, Some(0.5), None),
+    let other = "axis 0 of the table was fitted with 0.5 arcsec per pulse, but the unit turns \
+                 pulses into angles by 0.7 arcsec; fit again with --scale-factor 0.7";
+    let large = "the bias of axis 0 of the table may be 8.9 deg/h, but the unit takes 8.8 deg/h at \
+                 most; is the set one of this gyro?";
+    for (of_board, of_image, scale_factor, max_bias, refused) in [
+        (Dph, Dph, 0.5, 10.0, Some(other)),
+        (Dps, Dps, 0.5, 10.0, Some(other)),
+        (Dph, Dph, 0.700_002, 10.0, Some("0.700002")),
+        (
+            Dph,
+            Dph,
+            0.0,
+            10.0,
+            Some("give coefficients.json and --scale-factor"),
+        ),
+        (
+            Dph,
+            Dps,
+            0.7,
+            10.0,
+            Some("is in deg/s, but the firmware of the unit was built for deg/h"),
+        ),
+        (
+            PulsesPerS,
+            Dph,
+            0.7,
+            10.0,
+            Some("built for pulses/s; fit again in that unit, or build"),
+        ),
+        (
+            Dph,
+            Mps2,
+            0.0,
+            10.0,
+            Some("is in m/s^2, but the unit counts the pulses of a gyro"),
+        ),
+        (
+            G,
+            G,
+            0.0,
+            10.0,
+            Some("is in g, but the unit counts the pulses of a gyro"),
+        ),
+        (Dph, Dph, 0.7, 8.8, Some(large)),
+        (Dph, Dph, 0.7, 10.0, None),
+        (PulsesPerS, PulsesPerS, 0.0, 10.0, None),
+        (PulsesPerS, PulsesPerS, 0.5, 10.0, None),
     ] {
-        let image = image_in(units, "SN1", 7, 1.0);
+        flash.lock().unwrap().fit = Some(Fit {
+            unit: of_board,
+            scale_factor_arcsec: 0.7,
+            max_bias,
+        });
+        let image = image_in(of_image, scale_factor, "SN1", 7, 1.0);
         let chosen = flash.lock().unwrap().chosen;
-        let written = flash_set(&mut unit, &image, scale_factor, |_| {});
+        let written = flash_set(&mut unit, &image, |_| {});
         match refused {
             None => drop(written.unwrap()),
             Some(words) => {
                 let error = written.unwrap_err().to_string();
                 assert!(error.contains(words), "{error}");
-                assert!(error.contains("nothing was written"), "{error}");
+                assert!(error.ends_with(": nothing was written"), "{error}");
                 assert_eq!(flash.lock().unwrap().chosen, chosen);
             }
         }
     }
-    // Firmware that cannot say takes no table of angles, and others as before.
-    flash.lock().unwrap().is_old = true;
-    let error = flash_set(&mut unit, &image_of("SN1", 7, 1.0), Some(0.7), |_| {}).unwrap_err();
-    assert!(
-        error.to_string().contains("its firmware may be older"),
-        "{error}"
-    );
-    flash_set(
-        &mut unit,
-        &image_in(PulsesPerS, "SN1", 7, 1.0),
-        None,
-        |_| {},
-    )
-    .unwrap();
-    assert_eq!(unit.losses().unwrap(), None);
+}
+
+/// What only the unit knows.
+#[test]
+fn a_refusal_of_the_unit_is_told_in_words() {
+    let (port, flash) = spawn("SN1", GOOD);
+    let mut unit = connect(port);
+    for (refusal, words) in [
+        (
+            Refusal::Unit { axis: 2 },
+            "axis 2 of the table is in another unit than its firmware was built for",
+        ),
+        (
+            Refusal::ScaleFactor { axis: 1 },
+            "axis 1 of the table was fitted with another scale factor than that of its board",
+        ),
+        (
+            Refusal::Bias { axis: 0 },
+            "the bias of axis 0 of the table may be larger than its board lets it",
+        ),
+        (Refusal::Image, "the image is not good for it"),
+    ] {
+        flash.lock().unwrap().refuses = Some(refusal);
+        let image = image_of("SN1", 7, 1.0);
+        let error = flash_set(&mut unit, &image, |_| {})
+            .unwrap_err()
+            .to_string();
+        let expected = format!("the unit refused the end of an upload: {words}");
+        assert!(error.starts_with(&expected), "{error}");
+        assert_eq!(flash.lock().unwrap().chosen, None);
+    }
 }
 
 #[test]
 fn a_unit_with_the_example_table_says_how_to_build_it_with_ones_own() {
     let (port, _) = spawn("EXAMPLE", GOOD);
-    let error = flash_set(
-        &mut connect(port),
-        &image_of("SN1", 7, 1.0),
-        Some(1.0),
-        |_| {},
-    );
+    let error = flash_set(&mut connect(port), &image_of("SN1", 7, 1.0), |_| {});
     let error = error.unwrap_err().to_string();
     assert!(error.contains("this is unit \"EXAMPLE\""), "{error}");
     assert!(error.contains("TEMPCO_TABLE="), "{error}");
@@ -157,7 +206,7 @@ fn a_unit_that_is_reset_in_mid_upload_ends_it_and_a_second_upload_succeeds() {
     flash.lock().unwrap().reset_after = Some(3);
     let mut unit = connect(port);
     let image = image_of("SN1", 7, 1.0);
-    let error = flash_set(&mut unit, &image, Some(1.0), |_| {}).unwrap_err();
+    let error = flash_set(&mut unit, &image, |_| {}).unwrap_err();
     assert!(matches!(error, Error::SessionLost { .. }), "{error}");
     assert!(
         error.to_string().contains("a chunk of an upload"),
@@ -166,20 +215,14 @@ fn a_unit_that_is_reset_in_mid_upload_ends_it_and_a_second_upload_succeeds() {
     assert_eq!(flash.lock().unwrap().chosen, None);
     // The session is open again, and what does not depend on the old one needs no second try.
     assert_eq!(unit.identify().unwrap().sequence, 2);
-    flash_set(&mut unit, &image, Some(1.0), |_| {}).unwrap();
+    flash_set(&mut unit, &image, |_| {}).unwrap();
 }
 
 #[test]
 fn a_lost_answer_of_a_unit_that_resets_itself_is_no_error() {
     let (port, flash) = spawn("SN1", GOOD);
     flash.lock().unwrap().is_hasty = true;
-    let after = flash_set(
-        &mut connect(port),
-        &image_of("SN1", 7, 1.0),
-        Some(1.0),
-        |_| {},
-    )
-    .unwrap();
+    let after = flash_set(&mut connect(port), &image_of("SN1", 7, 1.0), |_| {}).unwrap();
     assert_eq!(after.table_crc, 7);
 }
 
@@ -188,7 +231,7 @@ fn a_unit_that_does_not_use_its_new_table_is_told_of() {
     let (port, flash) = spawn("SN1", GOOD);
     flash.lock().unwrap().is_stubborn = true;
     let mut unit = connect(port);
-    let error = flash_set(&mut unit, &image_of("SN1", 7, 1.0), Some(1.0), |_| {}).unwrap_err();
+    let error = flash_set(&mut unit, &image_of("SN1", 7, 1.0), |_| {}).unwrap_err();
     assert!(error.to_string().contains("it runs on no table"), "{error}");
 }
 
@@ -232,7 +275,7 @@ fn replays_find_no_difference_where_there_is_none_and_every_one_where_there_is()
         let (port, _flash) = spawn("SN1", wires);
         let mut unit = connect(port);
         let image = image_of("SN1", 7, 1.0);
-        flash_set(&mut unit, &image, Some(1.0), |_| {}).unwrap();
+        flash_set(&mut unit, &image, |_| {}).unwrap();
         for comparison in replays(&mut unit, &image, 777) {
             assert_eq!((comparison.samples, comparison.different), (777, 0));
             assert_eq!(comparison.first, None);
@@ -260,7 +303,7 @@ fn a_bit_of_any_figure_of_one_sample_is_found() {
     let (port, flash) = spawn("SN1", GOOD);
     let mut unit = connect(port);
     let image = image_of("SN1", 7, 1.0);
-    flash_set(&mut unit, &image, Some(1.0), |_| {}).unwrap();
+    flash_set(&mut unit, &image, |_| {}).unwrap();
     for (figure, number, by_block) in [
         (Figure::Effective, 79, true),
         (Figure::Rate, 79, true),

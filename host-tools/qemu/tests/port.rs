@@ -52,7 +52,7 @@ fn the_smallest_board_runs_the_application() {
     place.0[..bytes.len()].copy_from_slice(&bytes);
     let table = Image::read(&place.0).unwrap();
     let tables = &table.tables::<1, 3>().unwrap();
-    let identity = flash_set(&mut unit, table.bytes(), Some(1.0), |_| {}).unwrap();
+    let identity = flash_set(&mut unit, table.bytes(), |_| {}).unwrap();
     assert_eq!(identity.table_crc, example::CRC);
     let samples = |count: u16| {
         (0..count).map(|number| Sample {

@@ -13,12 +13,12 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use support::{WORKSPACE, example, example_image, image};
+use support::{WORKSPACE, example, example_image_in, image};
 use tempco_firmware::board::mps2_an386::nor::Nor;
 use tempco_firmware::board::stm32f405::store::{REGIONS, SECTOR, SECTORS};
-use tempco_hil::{Patience, Unit, open};
-use tempco_image::AlignedBytes;
-use tempco_link::{Fault, Request};
+use tempco_hil::{Patience, open};
+use tempco_image::{AlignedBytes, Unit};
+use tempco_link::{Bank, Fault, Request};
 use tempco_qemu::{Board, Machine, MachineOptions, Variant, build_variant};
 use tempco_store::Store;
 
@@ -149,11 +149,9 @@ fn the_board_comes_up_and_its_devices_answer() {
     assert_eq!(lost, [0, 0, 0], "bytes were lost: {log:#?}");
 }
 
-/// The flash of a unit that was given the example table, byte by byte.
+/// The flash of a unit that was given the example table, and then one that does not fit its board,
+/// byte by byte.
 fn store_with_example() -> Vec<u8> {
-    let image = &example_image();
-    let len = image.len() as u32;
-
     // A model of flash with smaller sectors and longer words, which the layout does not depend on.
     let cells: Vec<AtomicU32> = (0..SECTORS * SECTOR as usize / 4)
         .map(|_| AtomicU32::new(u32::MAX))
@@ -162,13 +160,19 @@ fn store_with_example() -> Vec<u8> {
     let [a, b] = REGIONS.slots;
     let mut store = Store::new(flash, a, b).unwrap();
     let mut buffer = AlignedBytes([0; 16 * 1024]);
-    store.boot(flash, &mut buffer.0, |_| Ok(()));
-    store.begin(flash, len).unwrap();
-    store.write(flash, 0, image).unwrap();
-    let crc = Store::crc(image);
-    store
-        .commit(flash, len, crc, &mut buffer.0, |_| Ok(()))
-        .unwrap();
+    for image in [
+        example_image_in(Unit::PulsesPerS),
+        example_image_in(Unit::Dph),
+    ] {
+        let len = image.len() as u32;
+        store.boot(flash, &mut buffer.0, |_| Ok(()));
+        store.begin(flash, len).unwrap();
+        store.write(flash, 0, &image).unwrap();
+        let crc = Store::crc(&image);
+        store
+            .commit(flash, len, crc, &mut buffer.0, |_| Ok(()))
+            .unwrap();
+    }
     let words = cells.iter().map(|cell| cell.load(Ordering::Relaxed));
     words.flat_map(u32::to_le_bytes).collect()
 }
@@ -197,11 +201,15 @@ fn the_application_takes_its_table_from_the_flash_and_serves_the_link() {
         tries: 100,
         ..Patience::default()
     };
-    let mut unit = Unit::connect(port, patience).unwrap();
+    let mut unit = tempco_hil::Unit::connect(port, patience).unwrap();
     let identity = unit.identify().unwrap();
     assert_eq!(identity.serial, example::SERIAL);
     assert_eq!(identity.table_crc, example::CRC);
-    assert!(identity.bank.is_some());
+    assert_eq!(
+        identity.bank,
+        Some(Bank::A),
+        "that in B is later and does not fit"
+    );
 
     let first = unit.telemetry(0).unwrap();
     thread::sleep(Duration::from_millis(200));
@@ -213,6 +221,7 @@ fn the_application_takes_its_table_from_the_flash_and_serves_the_link() {
     let faults = unit.built_in_test().unwrap();
     println!("{faults:?}");
     assert!(faults.contains(Fault::SensorBus) && !faults.contains(Fault::NoTable));
+    assert!(faults.contains(Fault::SpareTable));
 
     unit.command(&Request::Activate).unwrap();
     unit.reconnect().unwrap();

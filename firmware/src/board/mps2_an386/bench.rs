@@ -127,6 +127,8 @@ impl<const C: usize, const A: usize> Gyro<C, A> for BenchGyro {
         sigma: 10.0,
         max_bias: 10_000.0,
     };
+    /// Logs of any gyro are replayed here.
+    const MAX_TABLE_BIAS: f32 = 1e6;
 
     fn counts(&mut self) -> [[i32; A]; C] {
         let mut counts = COUNTS.iter().map(|counts| counts.load(Ordering::Relaxed));

@@ -88,6 +88,8 @@ impl<const C: usize, const A: usize> Gyro<C, A> for Counter {
         sigma: 10.0,
         max_bias: 100.0,
     };
+    /// Logs of any gyro are replayed here.
+    const MAX_TABLE_BIAS: f32 = 1e6;
 
     fn counts(&mut self) -> [[i32; A]; C] {
         let now = Register::TimerValue.read();

@@ -74,6 +74,9 @@ impl<const C: usize, const A: usize> Gyro<C, A> for Counters {
         max_bias: 100.0,
     };
 
+    /// 100 pulses/s, or 100 deg/h.
+    const MAX_TABLE_BIAS: f32 = 400.0;
+
     fn counts(&mut self) -> [[i32; A]; C] {
         const { assert!(C * A <= AXES, "the board has three axes") };
         let mut axes = self.differences().into_iter();

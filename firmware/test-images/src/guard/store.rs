@@ -4,7 +4,7 @@ use core::hint::black_box;
 
 use embedded_storage::nor_flash::NorFlash;
 use tempco::{Terms, ThermalSettings};
-use tempco_image::{AlignedBytes, Axis, Channel, Image, ImageError, Info, Unit, encode};
+use tempco_image::{AlignedBytes, Axis, Channel, Fit, Image, ImageError, Info, Unit, encode};
 use tempco_store::{Checked, FaultLog, Offsets, Region, Store, StoreError};
 
 use super::flash::{RamFlash, SECTOR};
@@ -88,7 +88,12 @@ fn accept(image: &Image) -> Result<(), ImageError> {
     image.check_block(black_box(0))?;
     let tables = image.tables::<CHANNELS, AXES>()?;
     _ = black_box(tables);
-    Ok(())
+    let fit = Fit {
+        unit: Unit::PulsesPerS,
+        scale_factor_arcsec: 1.0,
+        max_bias: 100.0,
+    };
+    image.expect_fit(black_box(&[fit; CHANNELS * AXES]))
 }
 
 #[inline(never)]
@@ -96,7 +101,7 @@ fn write(image: &mut Buffer) -> Result<usize, ImageError> {
     let cell = const { Terms::new([0.1], [0.5]) };
     let axis = Axis {
         play_gains: [0.1, 0.2],
-        ..Axis::new(Unit::Dph)
+        ..Axis::new(Unit::PulsesPerS)
     };
     let channel = Channel {
         thermal: ThermalSettings::DEFAULT,

@@ -169,6 +169,8 @@ mod tests {
             bank: None,
             table_crc: 0,
             sequence: 0,
+            scale_factor_arcsec: 1.0,
+            fits: Vec::new(),
         };
         let channel = ChannelTelemetry {
             effective_c: 24.5,

@@ -2,9 +2,10 @@
 
 use std::path::Path;
 
-use anyhow::{Result, ensure};
+use anyhow::{Error, Result, ensure};
 use tempco_hil::{Patience, Unit, flash_set, open};
 use tempco_qemu::{Board, Machine, MachineOptions, MachineTime, Variant};
+use tempco_set::table_bin;
 
 use super::firmware::build;
 use super::{Differences, Replay, hardware, semihosting};
@@ -68,8 +69,11 @@ fn in_machine(put: &Replay, board: Board, real_time: bool) -> Result<Differences
 
 fn over_link(put: &Replay, link: &Path, real_time: bool) -> Result<Differences> {
     let mut unit = Unit::connect(open(link, 0)?, Patience::default())?;
-    // The replayed values are in the unit of the table: the emulated gyro is not read.
-    let scale_factor = unit.scale_factor_arcsec()?.into();
-    let identity = flash_set(&mut unit, put.image.bytes(), Some(scale_factor), |_| {})?;
+    // The replayed values are in the unit of the table: the emulated gyro is not read, and its scale
+    // factor may be any.
+    let mut set = put.set.clone();
+    set.settings.scale_factor_arcsec = Some(unit.identify()?.scale_factor_arcsec.into());
+    let image = table_bin(&set).map_err(Error::msg)?;
+    let identity = flash_set(&mut unit, &image, |_| {})?;
     hardware::through(put, &mut unit, &identity, real_time)
 }

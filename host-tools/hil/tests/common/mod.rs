@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex};
 use std::thread;
 
 use tempco::{Schedule, Stream, Table, Terms, ThermalSettings};
-use tempco_image::{AlignedBytes, Axis, CRC, Channel, Image, Info, Unit, encode};
+use tempco_image::{AlignedBytes, Axis, CRC, Channel, Fit, Image, Info, Unit, encode};
 use tempco_link::{
     Bank, ChannelTelemetry, FaultEntry, Handler, Losses, MAX_FAULTS, Outcome, OutcomeBlock,
     Refusal, Request, Response, Sample, SampleBlock, Server, Telemetry,
@@ -20,6 +20,12 @@ pub(crate) const SCHEDULE: Schedule = Schedule {
 };
 
 type Tables = [Table<'static, 3>; 1];
+
+pub(crate) const FIT: Fit = Fit {
+    unit: Unit::Dph,
+    scale_factor_arcsec: 1.0,
+    max_bias: 1000.0,
+};
 
 /// What the unit keeps when it is reset, and what a test may look at.
 #[derive(Debug, Default)]
@@ -37,9 +43,10 @@ pub(crate) struct Flash {
     pub(crate) is_hasty: bool,
     /// Takes a table and does not use it.
     pub(crate) is_stubborn: bool,
-    /// Scale factor of the gyro, 1 where it is not set; of firmware that knows the question.
-    pub(crate) scale_factor_arcsec: Option<f32>,
-    pub(crate) is_old: bool,
+    /// What a table must fit: deg/h of pulses of 1 arcsec where it is not set.
+    pub(crate) fit: Option<Fit>,
+    /// Why it does not take what was uploaded.
+    pub(crate) refuses: Option<Refusal>,
     /// The number of a replayed sample, and which figure of its outcome has a bit turned over.
     pub(crate) spoil: Option<(usize, Figure)>,
 }
@@ -116,27 +123,27 @@ impl Handler for Running {
         flash.done += 1;
         let spare = 1 - self.in_use.unwrap_or(1);
         match request {
-            Request::ScaleFactor | Request::Losses if flash.is_old => {
-                Response::Refused(Refusal::Unknown)
-            }
-            Request::ScaleFactor => Response::ScaleFactor {
-                arcsec: flash.scale_factor_arcsec.unwrap_or(1.0),
-            },
             Request::Losses => Response::Losses(Losses {
                 missed_samples: 3,
                 ..Losses::default()
             }),
-            Request::Identify => Response::Identity {
-                serial: &self.serial,
-                firmware: "simulated 1",
-                channels: 1,
-                axes: 3,
-                sample_rate_hz: SCHEDULE.sample_rate_hz,
-                samples_per_update: SCHEDULE.samples_per_update,
-                bank: self.in_use.map(|bank| [Bank::A, Bank::B][bank]),
-                table_crc: self.table_crc,
-                sequence: flash.boots,
-            },
+            Request::Identify => {
+                let fit = flash.fit.unwrap_or(FIT);
+                Response::Identity {
+                    serial: &self.serial,
+                    firmware: "simulated 1",
+                    channels: 1,
+                    axes: 3,
+                    sample_rate_hz: SCHEDULE.sample_rate_hz,
+                    samples_per_update: SCHEDULE.samples_per_update,
+                    bank: self.in_use.map(|bank| [Bank::A, Bank::B][bank]),
+                    table_crc: self.table_crc,
+                    sequence: flash.boots,
+                    scale_factor_arcsec: fit.scale_factor_arcsec,
+                    units: [fit.unit.code(); 3].into_iter().collect(),
+                    max_bias: [fit.max_bias; 3].into_iter().collect(),
+                }
+            }
             Request::Telemetry { period_ms } => {
                 self.period_ms = period_ms;
                 Response::Telemetry(self.telemetry.clone())
@@ -163,6 +170,9 @@ impl Handler for Running {
             Request::UploadCommit { len, crc } => {
                 if len as usize != self.upload.len() || crc != CRC.checksum(&self.upload) {
                     return Response::Refused(Refusal::Image);
+                }
+                if let Some(refusal) = flash.refuses {
+                    return Response::Refused(refusal);
                 }
                 flash.banks[spare].clone_from(&self.upload);
                 if !flash.is_stubborn {
@@ -357,13 +367,23 @@ pub(crate) fn spawn(serial: &str, wires: [Wire; 2]) -> (UnixStream, Arc<Mutex<Fl
     (host, flash)
 }
 
-/// An image of a table in deg/h whose biases are in proportion to `scale`.
+/// An image of a table in deg/h, from pulses of 1 arcsec, whose biases are in proportion to `scale`.
 pub(crate) fn image_of(serial: &str, table_crc: u32, scale: f32) -> Vec<u8> {
-    image_in(Unit::Dph, serial, table_crc, scale)
+    image_in(Unit::Dph, 1.0, serial, table_crc, scale)
 }
 
-/// As [`image_of`], in another unit.
-pub(crate) fn image_in(unit: Unit, serial: &str, table_crc: u32, scale: f32) -> Vec<u8> {
+/// As [`image_of`], in another unit or from other pulses.
+pub(crate) fn image_in(
+    unit: Unit,
+    scale_factor_arcsec: f32,
+    serial: &str,
+    table_crc: u32,
+    scale: f32,
+) -> Vec<u8> {
+    let axis = Axis {
+        scale_factor_arcsec,
+        ..Axis::new(unit)
+    };
     let terms = Terms::new(
         [scale, 0.3 * scale, -0.1 * scale],
         [0.2 * scale, 0.05 * scale],
@@ -376,7 +396,7 @@ pub(crate) fn image_in(unit: Unit, serial: &str, table_crc: u32, scale: f32) -> 
         t_min_c: -40.0,
         t_max_c: 80.0,
         period_s: 0.0,
-        axes: Axis::array(&[Axis::new(unit); 3]),
+        axes: Axis::array(&[axis; 3]),
         cells: &cells,
     };
     let info = Info {

@@ -32,6 +32,11 @@ pub mod example {
 
 /// The same as a flash image.
 pub fn example_image() -> Vec<u8> {
+    example_image_in(Unit::PulsesPerS)
+}
+
+/// As [`example_image`], with its axes in any unit.
+pub fn example_image_in(unit: Unit) -> Vec<u8> {
     let [table] = &example::TABLES;
     let channel = Channel {
         thermal: *table.thermal().settings(),
@@ -40,7 +45,7 @@ pub fn example_image() -> Vec<u8> {
         t_min_c: -15.0,
         t_max_c: 80.0,
         period_s: 0.0,
-        axes: Axis::array(&[Axis::new(Unit::PulsesPerS); 3]),
+        axes: Axis::array(&[Axis::new(unit); 3]),
         cells: table.cells().as_flattened(),
     };
     let info = Info {
