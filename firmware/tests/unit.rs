@@ -11,7 +11,8 @@ use tempco_firmware::unit::devices::ResetCause;
 use tempco_firmware::unit::{AXES, CHANNELS, Next, SERIAL};
 use tempco_image::{Axis, Unit as AxisUnit};
 use tempco_link::{
-    Axes, Bank, Channels, Fault, FaultSet, Refusal, Request, Response, Sample, SampleBlock,
+    Axes, Bank, BlockCrc, Channels, Fault, FaultSet, Refusal, Request, Response, Sample,
+    SampleBlock,
 };
 use tempco_replay::{Replay, Sample as ReplayedSample};
 use tempco_sensors::SensorFault;
@@ -69,9 +70,19 @@ fn a_table_is_used_from_the_next_boot_on() {
         bench.upload(unit, &image(SERIAL, 7)).unwrap();
         bench.wait(unit, 0.2);
         assert!(bench.faults(unit).contains(Fault::NoTable), "not yet");
+    });
+    // It is stored, and not selected.
+    bench.boot(|bench, unit| {
+        bench.connect(unit);
+        assert_eq!(in_use(bench, unit), (None, 0));
+        bench.wait(unit, 0.2);
+        assert_eq!(bench.faults(unit), only(Fault::NoTable));
+        // The bank without a table is no choice, and then there is no reset.
+        let empty = bench.done(unit, &Request::Activate(Bank::B));
+        assert_eq!(empty, Err(Refusal::Store));
+        bench.wait(unit, 0.2);
         // A unit resets once it has said that it will.
-        let wire = Request::Activate;
-        let next = bench.ask_next(unit, &wire);
+        let next = bench.ask_next(unit, &Request::Activate(Bank::A));
         assert_eq!(next, Next::Reset);
     });
     bench.boot(|bench, unit| {
@@ -305,7 +316,6 @@ fn roll_back_is_a_selection_and_a_boot() {
                 Response::Identity { bank, .. } => *bank,
                 other => panic!("{other:?}"),
             });
-            bench.done(unit, &Request::SelectBank(Bank::A)).unwrap();
             let whole = image(SERIAL, 0xa);
             let mut found = Vec::new();
             while found.len() < whole.len() {
@@ -321,6 +331,7 @@ fn roll_back_is_a_selection_and_a_boot() {
                 found.extend(more);
             }
             assert_eq!(found, whole);
+            bench.done(unit, &Request::Activate(Bank::A)).unwrap();
             bank
         })
     };
@@ -365,7 +376,7 @@ fn re_zero_takes_out_what_is_left_at_rest_and_is_kept() {
     // Another table leaves another bias: its offsets are its own.
     bench.boot(|bench, unit| {
         bench.connect(unit);
-        bench.upload(unit, &image(SERIAL, 0xc)).unwrap();
+        bench.update(unit, &image(SERIAL, 0xc)).unwrap();
     });
     bench.boot(|bench, unit| {
         bench.connect(unit);
@@ -716,7 +727,7 @@ fn a_table_that_does_not_fit_the_board_is_not_taken() {
         let good = |table_crc| image_with(board, 0.5, 1e-4, table_crc);
         bench.boot(|bench, unit| {
             bench.connect(unit);
-            bench.upload(unit, &good(0xa)).unwrap();
+            bench.update(unit, &good(0xa)).unwrap();
         });
         bench.load(&image);
         bench.boot(|bench, unit| {
@@ -730,11 +741,12 @@ fn a_table_that_does_not_fit_the_board_is_not_taken() {
             let axis = if reason == 3 { 2 } else { 0 };
             assert_eq!(entry.unwrap().1.detail, reason << 16 | axis << 8 | 1);
             // Nor is it taken on command.
-            let select = bench.done(unit, &Request::SelectBank(Bank::B));
+            let select = bench.done(unit, &Request::Activate(Bank::B));
             assert_eq!(select, Err(refused.unwrap().0));
             bench.upload(unit, &good(0xb)).unwrap();
             bench.wait(unit, 5.0);
             assert_eq!(bench.faults(unit), FaultSet::NONE);
+            bench.done(unit, &Request::Activate(Bank::B)).unwrap();
         });
         bench.boot(|bench, unit| {
             bench.connect(unit);
@@ -807,8 +819,10 @@ fn replays_are_those_of_the_host() {
                 let mut bytes: Vec<u8> = Vec::new();
                 stream.temperatures(&temps_c);
                 let mut last = None;
+                let mut crc = BlockCrc::default();
                 for raw in &block {
                     let outcome = stream.sample(&[*raw]);
+                    crc.add(outcome[0].status.bits().into(), &outcome[0].bias);
                     bytes.extend(outcome[0].compensated.iter().flat_map(|v| v.to_le_bytes()));
                     last = Some(outcome);
                 }
@@ -831,6 +845,7 @@ fn replays_are_those_of_the_host() {
                     };
                     assert_eq!(found.compensated, bytes);
                     assert_eq!(found.bias, last.unwrap()[0].bias);
+                    assert_eq!(found.crc, crc.finish());
                 });
             }
         }

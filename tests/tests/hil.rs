@@ -12,7 +12,7 @@ use std::sync::{Arc, Mutex};
 use std::thread;
 
 use serde_json::Value;
-use simulated::{FIT, Flash, Wire, image_of, serve};
+use simulated::{FIT, Figure, Flash, Wire, image_of, serve};
 use tempco_hil::{Patience, open, replay};
 use tempco_image::{AlignedBytes, Fit, Image, Unit};
 use tempco_qemu::{Board, Machine, MachineOptions};
@@ -186,6 +186,23 @@ fn a_unit_that_computes_something_else_is_found_by_exit_code() {
             ran.err
         );
     }
+}
+
+/// A bit of one bias, in the middle of a block.
+#[test]
+fn a_block_that_differs_is_reported_with_its_time() {
+    let bench = fitted("SN1");
+    let (port, flash) = simulated(&bench, "SN1");
+    let port = port.display();
+    bench.ok(&format!("flash-set set/table.bin --port {port}"));
+    flash.lock().unwrap().spoil = Some((217, Figure::Bias));
+    let ran = bench.run(&format!("replay set/table.bin fast.csv --target {port}"));
+    assert_eq!(ran.code, 1, "{}{}", ran.out, ran.err);
+    // Temperatures are due at row 201.
+    let block =
+        "blocks in which a bias or a flag differs: 1, the first one from row 201 at 0.1 s on";
+    assert!(ran.err.contains(block), "{}", ran.err);
+    assert!(ran.out.contains("0 of 1501 samples differ"), "{}", ran.out);
 }
 
 #[test]

@@ -196,7 +196,7 @@ fn garbage_on_the_line_does_no_harm() {
     );
 }
 
-/// An update up to its commit, in small chunks.
+/// An update up to its activation, in small chunks.
 fn upload(unit: &mut Unit, image: &[u8]) -> Result<(), Error> {
     let len = image.len() as u32;
     unit.ask(&Request::UploadBegin { len }, |_| Some(()))?;
@@ -205,7 +205,9 @@ fn upload(unit: &mut Unit, image: &[u8]) -> Result<(), Error> {
         unit.ask(&Request::UploadChunk { offset, bytes }, |_| Some(()))?;
     }
     let crc = tempco_image::CRC.checksum(image);
-    unit.command(&Request::UploadCommit { len, crc })
+    unit.command(&Request::UploadCommit { len, crc })?;
+    let spare = unit.identify()?.spare;
+    unit.command(&Request::Activate(spare))
 }
 
 #[test]
@@ -251,7 +253,7 @@ fn a_brown_out_at_any_instant_leaves_a_table() {
             .wrapping_add(1);
         let next = 4 + number;
         let image = quick_table(next);
-        // From before the first request to behind the commit.
+        // From before the first request to behind the activation.
         let cut = Duration::from_micros((state >> 33) % (2 * whole_us));
         let uploaded = rig.cut_during(cut, |unit| upload(unit, &image));
         let identity = rig.unit.identify();
@@ -275,7 +277,7 @@ fn a_brown_out_at_any_instant_leaves_a_table() {
             println!("{} brown-outs", number + 1);
         }
     }
-    println!("{times} brown-outs: {old} old table, {new} new table, {idle} behind the commit");
+    println!("{times} brown-outs: {old} old table, {new} new table, {idle} behind the activation");
     assert!(
         times < 30 || (old > 0 && new > 0),
         "{old} {new}: cut elsewhere"

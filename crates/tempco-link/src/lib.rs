@@ -22,12 +22,13 @@
 //! sequence number 0. There is no protection against somebody who forges frames.
 //!
 //! # Updates
-//! Chunks name their offset, and the table is only committed with the length and CRC-32P4 of all
-//! its bytes; see the crate `tempco-store`, which decides.
+//! Chunks name their offset, and the table is only stored with the length and CRC-32P4 of all its
+//! bytes; see the crate `tempco-store`, which decides. [`Request::Activate`] takes it into use.
 //!
 //! # Versions
 //! `Hello` and its answer keep their encoding for ever. A host and a unit of different major
-//! [`VERSION`] refuse each other. A newer minor version adds variants at the end of
+//! [`VERSION`] refuse each other: the unit answers with its version and opens no session. (Firmware of
+//! version 1 answers [`Refusal::Version`].) A newer minor version adds variants at the end of
 //! [`Request`] and [`Response`]; who does not know one refuses it ([`Refusal::Unknown`]) or drops
 //! it.
 //!
@@ -65,6 +66,7 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+mod block_crc;
 mod client;
 mod decoder;
 mod fault;
@@ -72,6 +74,7 @@ mod frame;
 mod message;
 mod server;
 
+pub use block_crc::BlockCrc;
 pub use client::{Client, Event};
 pub use decoder::{Counters, Decoder};
 pub use fault::{Fault, FaultSet};

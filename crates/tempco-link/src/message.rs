@@ -36,7 +36,7 @@ pub enum Bank {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum Request<'a> {
-    /// Begins a session; answered by [`Response::Hello`] also by other versions.
+    /// Begins a session; answered by [`Response::Hello`] also by other versions, from 2.0 on.
     Hello {
         /// Major version of the host.
         major: u8,
@@ -65,8 +65,6 @@ pub enum Request<'a> {
         /// \[unit of the axis\].
         expected: Axes,
     },
-    /// Makes the table in a bank the one to boot with: roll-back.
-    SelectBank(Bank),
     /// Begins to write an image into the bank that is not in use.
     UploadBegin {
         /// Length of the image \[bytes\].
@@ -80,15 +78,17 @@ pub enum Request<'a> {
         /// Up to [`MAX_CHUNK`] bytes.
         bytes: &'a [u8],
     },
-    /// Ends the upload: the image is checked and chosen if it is good.
+    /// Ends the upload: the image is checked and stored if it is good. It is not used before it is
+    /// activated.
     UploadCommit {
         /// Length of the image \[bytes\].
         len: u32,
         /// CRC-32P4 of all its bytes.
         crc: u32,
     },
-    /// Takes the table that was chosen last into use.
-    Activate,
+    /// Makes the table in a bank the one to boot with, and resets the unit: a table that was stored,
+    /// or the one before, which is the roll-back.
+    Activate(Bank),
     /// Asks for a stretch of a bank's image; answered by [`Response::Chunk`], which is empty behind
     /// its end.
     Download {
@@ -128,7 +128,8 @@ pub enum Response<'a> {
         minor: u8,
         /// As in the request.
         nonce: u32,
-        /// Number of the session, which all further requests bear.
+        /// Number of the session, which all further requests bear; 0, which is none, to a host of
+        /// another major version.
         session: u32,
     },
     /// It was not carried out.
@@ -151,9 +152,11 @@ pub enum Response<'a> {
         samples_per_update: u16,
         /// The bank in use; none if the unit runs uncompensated.
         bank: Option<Bank>,
+        /// The bank into which an upload goes, which is not in use.
+        spare: Bank,
         /// CRC of the table in use, as in `coefficients.json`; 0 without one.
         table_crc: u32,
-        /// Number of updates and selections so far.
+        /// Number of selections so far.
         sequence: u32,
         /// Scale factor of the gyro, by which a unit turns pulses into angles \[arcsec/pulse\].
         scale_factor_arcsec: f32,
@@ -196,7 +199,7 @@ pub enum Response<'a> {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum Refusal {
-    /// The host's major version is another.
+    /// The host's major version is another, as firmware of version 1 says it.
     Version,
     /// The request is of no open session: say hello.
     Session,
@@ -309,6 +312,8 @@ pub struct OutcomeBlock<'a> {
     pub bias: Axes,
     /// Samples without their biases, laid out as the samples were \[unit of the axis\].
     pub compensated: &'a [u8],
+    /// Of the biases and flags of all samples: [`BlockCrc`](crate::BlockCrc).
+    pub crc: u32,
 }
 
 /// The thermal path of a channel.

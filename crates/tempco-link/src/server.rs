@@ -100,12 +100,11 @@ impl Server {
         self.answer.get(..self.answer_len)
     }
 
-    /// Opens a session, unless this hello has just opened the present one.
+    /// Opens a session, unless this hello has just opened the present one; none for another major
+    /// version, which is told this one.
     fn greet(&mut self, major: u8, nonce: u32, sequence: u16) -> Response<'static> {
-        if major != VERSION.0 {
-            return Response::Refused(Refusal::Version);
-        }
         let session = match self.session {
+            _ if major != VERSION.0 => 0,
             Some(current) if current.nonce == nonce => current.number,
             _ => {
                 let number = self.next_session.max(1);

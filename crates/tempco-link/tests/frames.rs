@@ -85,6 +85,7 @@ fn the_longest_messages_fit_and_longer_ones_are_refused() {
         channels: outcome.channels,
         bias: outcome.bias,
         compensated: &block,
+        crc: u32::MAX,
     }));
     let fault = FaultEntry {
         code: u16::MAX,
@@ -103,6 +104,7 @@ fn the_longest_messages_fit_and_longer_ones_are_refused() {
         sample_rate_hz: f32::MAX,
         samples_per_update: u16::MAX,
         bank: Some(Bank::B),
+        spare: Bank::A,
         table_crc: u32::MAX,
         sequence: u32::MAX,
         scale_factor_arcsec: f32::MAX,
@@ -144,29 +146,28 @@ fn the_encoding_does_not_change() {
                 expected: Axes::new(),
             },
         ),
-        (6, Request::SelectBank(Bank::A)),
-        (7, Request::UploadBegin { len: 0 }),
+        (6, Request::UploadBegin { len: 0 }),
         (
-            8,
+            7,
             Request::UploadChunk {
                 offset: 0,
                 bytes: &[],
             },
         ),
-        (9, Request::UploadCommit { len: 0, crc: 0 }),
-        (10, Request::Activate),
+        (8, Request::UploadCommit { len: 0, crc: 0 }),
+        (9, Request::Activate(Bank::A)),
         (
-            11,
+            10,
             Request::Download {
                 bank: Bank::A,
                 offset: 0,
                 len: 0,
             },
         ),
-        (12, Request::Faults { from_code: 0 }),
-        (13, Request::Restart),
+        (11, Request::Faults { from_code: 0 }),
+        (12, Request::Restart),
         (
-            14,
+            13,
             Request::Block(SampleBlock {
                 temps_c: Default::default(),
                 real_time: false,
@@ -174,8 +175,8 @@ fn the_encoding_does_not_change() {
                 raw: &[],
             }),
         ),
-        (15, Request::ClearOffsets),
-        (16, Request::Losses),
+        (14, Request::ClearOffsets),
+        (15, Request::Losses),
     ] {
         assert_eq!(plain(&wire(9, 1, &request)).unwrap()[..3], [9, 1, number]);
     }
@@ -214,6 +215,7 @@ fn the_encoding_does_not_change() {
                 channels: Default::default(),
                 bias: Axes::new(),
                 compensated: &[],
+                crc: 0,
             }),
         ),
         (11, Response::Losses(Losses::default())),
@@ -313,7 +315,7 @@ fn random(state: &mut u64) -> u64 {
 fn ten_million_bytes_of_garbage_do_nothing() {
     let (mut server, mut unit) = (Server::new(1), Unit::default());
     let mut client = connected(&mut server, &mut unit, 5);
-    let piece = wire(1, 2, &Request::SelectBank(Bank::B));
+    let piece = wire(1, 2, &Request::Activate(Bank::B));
     let mut state = 1;
     let mut bytes = 0;
     while bytes < 10_000_000 {

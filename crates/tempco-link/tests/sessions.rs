@@ -82,7 +82,9 @@ fn other_versions_sessions_and_orders_are_refused() {
         minor: 0,
         nonce: 1,
     };
-    assert_eq!(refused(&wire(0, 1, &other_major)), [vec![0, 1, 1, 0]]);
+    // Another major version gets this one, and no session.
+    let told = [0, 1, 0, 2, 0, 1, 0];
+    assert_eq!(refused(&wire(0, 1, &other_major)), [told.to_vec()]);
     assert_eq!(refused(&wire(7, 2, &Request::Bit)), [vec![7, 2, 1, 1]]);
     // A newer minor version is welcome: 0 for `Hello`, version, nonce, session.
     let newer = Request::Hello {
@@ -127,7 +129,7 @@ fn a_replayed_session_carries_nothing_out() {
     let answers = feed(&mut server, &mut unit, &recorded).concat();
     events(&mut client, &answers);
     for request in [
-        Request::SelectBank(Bank::B),
+        Request::Activate(Bank::B),
         Request::ReZero {
             averaging_s: 1,
             expected: Axes::new(),

@@ -29,7 +29,7 @@ pub enum StoreError {
     Unaligned,
     /// No update has begun, or it is not complete.
     Incomplete,
-    /// The table that was committed or selected last has not been booted yet.
+    /// The table that was selected last has not been booted yet.
     NotBooted,
     /// The slot has no valid image to select.
     Empty,
@@ -58,7 +58,7 @@ impl fmt::Display for StoreError {
             Self::Offset { expected } => return write!(f, "expected the chunk at {expected}"),
             Self::Unaligned => "the chunk is not made of whole words",
             Self::Incomplete => "no update has begun, or it is not complete",
-            Self::NotBooted => "the table chosen last has not been booted yet",
+            Self::NotBooted => "the table selected last has not been booted yet",
             Self::Empty => "the slot is empty",
             Self::Full => "no room for another entry",
             Self::Code => "no such fault code",

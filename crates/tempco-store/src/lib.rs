@@ -2,19 +2,21 @@
 //! constant biases that re-zero found.
 //!
 //! Each of two slots holds a flash image (see `tempco-image`) and behind it a few *entries*, each
-//! of which says that the image was whole, validated and chosen. The entry with the highest
-//! sequence number names the table in use. An update touches the other slot only, and becomes
-//! valid with its last write, the entry:
+//! of which says that the image was whole and validated, and whether it was selected. The entry with
+//! the highest sequence number names the table in use. An update touches the other slot only, and
+//! stores an image there with its last write, the entry. A selection is one more entry:
 //!
 //! ```text
 //! begin: erase the sector with the entries of the slot not in use
 //! write: erase a sector when it is first written to, program, chunk by chunk
-//! commit: read back -> CRCs -> validation -> program one entry
+//! commit: read back -> CRCs -> validation -> program one entry, number 0
+//! select: load -> CRCs -> validation -> program one entry, the next number
 //! ```
 //!
-//! So a power cut at any operation leaves the old table or the new one. Choosing the other slot
-//! ([`Store::select`], the roll-back) programs one more entry there and nothing else. An entry
-//! that a cut has torn is not used, be it wrong or unreadable, and its place is not used again.
+//! So a power cut at any operation leaves the old table in use or the new one. An image that was
+//! stored and not selected is never used. The other slot is selected likewise, which is the roll-back.
+//! An entry that a cut has torn is not used, be it wrong or unreadable, and its place is not used
+//! again.
 //!
 //! # Layout of a slot
 //!
@@ -23,8 +25,8 @@
 //! | 0 | image, padded with 0xff to a whole word of the flash |
 //! | `len - 8 s` | eight entries of `s` bytes: 32, or the word of the flash if that is longer |
 //!
-//! An entry is eight little-endian u32: magic, sequence number from 1 on, length of the image, its
-//! CRC-32P4, three times 0xffffffff, and the CRC-32P4 of the 28 bytes before.
+//! An entry is eight little-endian u32: magic, sequence number (0 stored, from 1 on
+//! selected), length of the image, its CRC-32P4, three times 0xffffffff, and the CRC-32P4 of the 28 bytes before.
 //!
 //! A fixed layout instead of a general flash store, because the image is to lie in one piece at an
 //! address that is known and aligned, so that a table can be used in place, and may be larger than

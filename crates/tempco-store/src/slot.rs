@@ -8,7 +8,7 @@ use tempco_image::{CRC, Image, ImageError};
 use crate::entry::Strip;
 use crate::{Region, StoreError};
 
-/// Places for entries in a slot: one for the update, the others for selections.
+/// Places for entries in a slot: one of the image that was stored, the others for selections.
 const ENTRIES: u32 = 8;
 
 const MAGIC: u32 = u32::from_le_bytes(*b"TCS1");
@@ -57,6 +57,7 @@ impl Not for Slot {
 /// The latest entry of a slot: what the slot should hold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Record {
+    /// 0 where the image was stored and never chosen.
     pub(crate) sequence: u32,
     pub(crate) len: u32,
     pub(crate) crc: u32,
@@ -125,17 +126,22 @@ impl Slots {
         &self,
         flash: &mut F,
         slot: Slot,
-        len: u32,
-        crc: u32,
+        record: Record,
     ) -> Result<(), StoreError> {
         let records = Slot::ALL.map(|slot| self.record(flash, slot));
         let sequences = records.into_iter().flatten().map(|record| record.sequence);
         let sequence = sequences.max().unwrap_or(0).checked_add(1);
-        let record = Record {
-            sequence: sequence.ok_or(StoreError::Full)?,
-            len,
-            crc,
-        };
+        let sequence = sequence.ok_or(StoreError::Full)?;
+        self.append(flash, slot, Record { sequence, ..record })
+    }
+
+    /// Programs an entry.
+    pub(crate) fn append<F: NorFlash>(
+        &self,
+        flash: &mut F,
+        slot: Slot,
+        record: Record,
+    ) -> Result<(), StoreError> {
         let strip = self.strip::<F>(slot);
         let free = strip.free(flash);
         strip.append(flash, free, &record.words()).map(drop)

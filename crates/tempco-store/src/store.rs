@@ -14,7 +14,7 @@ use crate::{Region, StoreError};
 pub struct Active {
     /// Where it is.
     pub slot: Slot,
-    /// Sequence number of its entry: how many updates and selections there were.
+    /// Sequence number of its entry: how many selections there were.
     pub sequence: u32,
     /// Length of its image, which the buffer begins with \[bytes\].
     pub len: usize,
@@ -30,6 +30,8 @@ pub enum SlotState {
     Active,
     /// Older than the active one, and not looked at.
     Standby,
+    /// Stored and never selected: not looked at.
+    Stored,
     /// It should hold an image but is not good.
     Bad(StoreError),
 }
@@ -70,7 +72,7 @@ impl Store {
         })
     }
 
-    /// Finds the table in use: loads the slot chosen last into `buffer`, checks lengths and CRCs
+    /// Finds the table in use: loads the slot selected last into `buffer`, checks lengths and CRCs
     /// and asks `accept`; if it is not good, the other slot. Ends an update that is under way.
     ///
     /// `buffer` must be aligned to 4 bytes. `accept` validates, for instance, for one channel of
@@ -98,6 +100,9 @@ impl Store {
             let Some(record) = slot.of(records) else {
                 return SlotState::Empty;
             };
+            if record.sequence == 0 {
+                return SlotState::Stored;
+            }
             if active.is_some() {
                 return SlotState::Standby;
             }
@@ -124,13 +129,13 @@ impl Store {
         }
     }
 
-    /// Makes a slot the one in use, once it has been loaded into `buffer` and accepted; with the
-    /// other slot, the roll-back. It takes effect by [`boot`](Self::boot), without which no further update or
+    /// Makes a slot the one in use, once it has been loaded into `buffer` and accepted: an image that
+    /// was stored, or the one before, which is the roll-back. It takes effect by [`boot`](Self::boot), without which no further update or
     /// selection is taken.
     ///
     /// # Errors
     /// [`StoreError::Empty`], or why the slot is not good; [`StoreError::Full`] after seven
-    /// selections of a slot. Nothing has changed then.
+    /// selections of a slot since its image was stored. Nothing has changed then.
     pub fn select<F: NorFlash>(
         &mut self,
         flash: &mut F,
@@ -144,7 +149,19 @@ impl Store {
         }
         let record = self.slots.record(flash, slot).ok_or(StoreError::Empty)?;
         self.slots.load(flash, slot, record, buffer, accept)?;
-        self.choose(flash, slot, record.len, record.crc)
+        self.slots.choose(flash, slot, record)?;
+        self.current = Some(slot);
+        self.is_new = true;
+        self.end_update();
+        Ok(())
+    }
+
+    /// The slot that is not in use, into which an update goes.
+    pub fn spare<F: NorFlash>(&self, flash: &mut F) -> Slot {
+        match self.current {
+            Some(current) => !current,
+            None => self.slots.older(flash),
+        }
     }
 
     /// Begins an update with an image of `len` bytes in the slot that is not in use, and returns
@@ -158,10 +175,7 @@ impl Store {
     pub fn begin<F: NorFlash>(&mut self, flash: &mut F, len: u32) -> Result<Slot, StoreError> {
         self.expect_booted()?;
         self.end_update();
-        let slot = match self.current {
-            Some(current) => !current,
-            None => self.slots.older(flash),
-        };
+        let slot = self.spare(flash);
         self.update = Some(Update::begin(&self.slots, flash, slot, len)?);
         Ok(slot)
     }
@@ -199,7 +213,7 @@ impl Store {
 
     /// Ends the update: reads the image back into `buffer` (aligned to 4 bytes), compares length
     /// and CRC-32P4 of all its bytes with what the sender says, checks it, asks `accept`, and only
-    /// then chooses it. It takes effect by [`boot`](Self::boot).
+    /// then notes that it is stored. It is not used before it is [selected](Self::select).
     ///
     /// # Errors
     /// [`StoreError::Incomplete`] before the last chunk; why the image is not good. The table in
@@ -220,9 +234,9 @@ impl Store {
             len,
             crc,
         };
-        self.slots
-            .load(flash, update.slot(), record, buffer, accept)?;
-        self.choose(flash, update.slot(), len, crc)
+        let slot = update.slot();
+        self.slots.load(flash, slot, record, buffer, accept)?;
+        self.slots.append(flash, slot, record)
     }
 
     /// The CRC-32P4 that [`commit`](Self::commit) expects, for senders.
@@ -251,20 +265,6 @@ impl Store {
         } else {
             Ok(())
         }
-    }
-
-    fn choose<F: NorFlash>(
-        &mut self,
-        flash: &mut F,
-        slot: Slot,
-        len: u32,
-        crc: u32,
-    ) -> Result<(), StoreError> {
-        self.slots.choose(flash, slot, len, crc)?;
-        self.current = Some(slot);
-        self.is_new = true;
-        self.end_update();
-        Ok(())
     }
 
     /// No update is under way any more; what was being checked may be another image.

@@ -6,7 +6,7 @@ mod common;
 use std::cell::{Cell, RefCell};
 
 use common::flash::{Flash, Memory};
-use common::{BLANK, accept, active_version, boot, image, update, with_two_versions};
+use common::{BLANK, accept, active_version, boot, image, store_image, update, with_two_versions};
 use tempco_store::{Slot, StoreError};
 
 /// What is done when power fails.
@@ -14,6 +14,8 @@ use tempco_store::{Slot, StoreError};
 enum Action {
     /// An update to the table of this version.
     Update(u32),
+    /// The table of this version is stored, and not selected.
+    Store(u32),
     /// The table not in use is taken.
     RollBack,
 }
@@ -32,6 +34,10 @@ fn act<const W: usize, const E: usize>(
         Action::Update(version) => {
             let image = image(cells, version);
             update(&mut store, flash, &image, &mut buffer).map(|()| version)
+        }
+        Action::Store(version) => {
+            let image = image(cells, version);
+            store_image(&mut store, flash, &image, &mut buffer).map(|_| old)
         }
         Action::RollBack => store.select(flash, !slot, &mut buffer.0, accept).map(|()| {
             tempco_image::Image::read(&buffer.0)
@@ -65,6 +71,7 @@ fn enumerate<const W: usize, const E: usize>(
         let came_up = version_of(memory);
         let allowed = match first {
             Action::Update(new) => [2, new],
+            Action::Store(_) => [2, 2],
             Action::RollBack => [2, 1],
         };
         assert!(
@@ -81,7 +88,7 @@ fn enumerate<const W: usize, const E: usize>(
             (_, Ok(version)) => version,
             // The slot was being written when power failed: there is nothing to go back to.
             (Action::RollBack, Err(_)) => old,
-            (Action::Update(_), Err(error)) => panic!("{first:?} {at} {cut:?}: {error}"),
+            (_, Err(error)) => panic!("{first:?} {at} {cut:?}: {error}"),
         };
         assert_eq!(version_of(&whole.memory), new);
 
@@ -100,7 +107,7 @@ fn enumerate<const W: usize, const E: usize>(
     assert_eq!(flash.overwrites, 0);
     let last = version_of(&flash.memory);
     drop(flash);
-    assert_ne!(last, 2);
+    assert_eq!(last == 2, matches!(first, Action::Store(_)));
     assert!(seen.into_inner()[2], "the old table was never seen");
     (singles.into_inner(), pairs.into_inner())
 }
@@ -112,6 +119,8 @@ fn enumerate_all<const W: usize, const E: usize>(sectors: usize, cells: usize) -
         (Action::Update(3), Action::RollBack),
         (Action::RollBack, Action::Update(3)),
         (Action::RollBack, Action::RollBack),
+        (Action::Store(3), Action::RollBack),
+        (Action::RollBack, Action::Store(3)),
     ] {
         let (singles, pairs) = enumerate::<W, E>(sectors, cells, first, second);
         println!("words of {W}: {first:?} {second:?}: {singles} cuts, {pairs} pairs");

@@ -4,7 +4,8 @@ mod common;
 
 use common::flash::Flash;
 use common::{
-    BLANK, Buffer, accept, active_version, boot, image, image_of, update, with_two_versions,
+    BLANK, Buffer, accept, active_version, boot, image, image_of, store_image, update,
+    with_two_versions,
 };
 use tempco_image::{CRC, ImageError};
 use tempco_store::{Checked, Region, Slot, SlotState, Store, StoreError};
@@ -54,13 +55,18 @@ fn a_damaged_table_gives_way_to_the_other_and_says_why() {
     ));
 }
 
-/// Every flip in an entry makes it no entry; the slot is then empty, the other one in use.
+/// Every flip in an entry makes it no entry: of the selection, which leaves the image stored, and
+/// of the image itself, which leaves nothing.
 #[test]
 fn a_damaged_entry_is_not_believed() {
     for bit in 0..8 * 32 {
         let mut flash = two_versions();
-        flash.flip(8 * (2048 - 256) + bit);
+        flash.flip(8 * (2048 - 256 + 32) + bit);
         let mut buffer = BLANK;
+        let (_, found) = boot(&mut flash, &mut buffer);
+        assert_eq!(active_version(&found, &buffer), Some(1), "bit {bit}");
+        assert_eq!(found.slots, [SlotState::Active, SlotState::Stored]);
+        flash.flip(8 * (2048 - 256) + bit);
         let (_, found) = boot(&mut flash, &mut buffer);
         assert_eq!(active_version(&found, &buffer), Some(1), "bit {bit}");
         assert_eq!(found.slots, [SlotState::Active, SlotState::Empty]);
@@ -115,11 +121,43 @@ fn an_update_never_goes_to_the_slot_in_use() {
     assert_eq!(found.slots, [SlotState::Standby, SlotState::Active]);
 }
 
+/// Stored, booted with or without the one in use, and selected at last.
+#[test]
+fn a_stored_table_is_not_used_before_it_is_selected() {
+    for is_damaged in [false, true] {
+        let mut flash = two_versions();
+        let mut buffer = BLANK;
+        let (mut store, _) = boot(&mut flash, &mut buffer);
+        assert_eq!(store.spare(&mut flash), Slot::A);
+        let stored = store_image(&mut store, &mut flash, &image(10, 3), &mut buffer);
+        assert_eq!(stored, Ok(Slot::A));
+        // It is checked as all images are, and may be replaced.
+        assert_eq!(store.check(&mut flash, 100), Checked::Good(Slot::A));
+        store_image(&mut store, &mut flash, &image(10, 4), &mut buffer).unwrap();
+        if is_damaged {
+            flash.flip(8 * 1024 + 8 * 200);
+        }
+        for _ in 0..2 {
+            let (_, found) = boot(&mut flash, &mut buffer);
+            let expected = (!is_damaged).then_some(2);
+            assert_eq!(active_version(&found, &buffer), expected);
+            assert_eq!(found.slots[0], SlotState::Stored);
+        }
+        let (mut store, _) = boot(&mut flash, &mut buffer);
+        store
+            .select(&mut flash, Slot::A, &mut buffer.0, accept)
+            .unwrap();
+        let (_, found) = boot(&mut flash, &mut buffer);
+        assert_eq!(active_version(&found, &buffer), Some(4));
+        assert_eq!(found.slots, [SlotState::Active, SlotState::Standby]);
+    }
+}
+
 #[test]
 fn roll_back_and_forth_until_there_is_no_room() {
     let mut flash = two_versions();
     let mut buffer = BLANK;
-    for round in 0..15 {
+    for round in 0..13 {
         let (mut store, found) = boot(&mut flash, &mut buffer);
         let expected = if round % 2 == 0 { 2 } else { 1 };
         assert_eq!(active_version(&found, &buffer), Some(expected), "{round}");
@@ -131,7 +169,7 @@ fn roll_back_and_forth_until_there_is_no_room() {
             .unwrap();
         assert_eq!(flash.operations, before);
         let selected = store.select(&mut flash, !slot, &mut buffer.0, accept);
-        let expected = if round < 14 {
+        let expected = if round < 12 {
             Ok(())
         } else {
             Err(StoreError::Full)

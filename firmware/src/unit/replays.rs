@@ -3,7 +3,8 @@
 
 use tempco::{Output, ThermalPoint};
 use tempco_link::{
-    ChannelTelemetry, Channels, Outcome, OutcomeBlock, Refusal, Response, Sample, SampleBlock,
+    BlockCrc, ChannelTelemetry, Channels, Outcome, OutcomeBlock, Refusal, Response, Sample,
+    SampleBlock,
 };
 use tempco_replay::{ChannelOutcome, Outcome as Replayed, Replay, Sample as ReplayedSample};
 
@@ -81,19 +82,19 @@ where
         }
         let points = self.points(self.replay_thermal.as_ref());
         self.block.clear();
+        let mut crc = BlockCrc::default();
         let mut last = None;
         for _ in 0..samples {
             let Some(reply) = self.reply(block.real_time) else {
                 return Response::Refused(Refusal::Busy);
             };
             let outcome = outcome(&points, &reply);
-            for value in outcome
-                .channels
-                .iter()
-                .flat_map(|channel| &channel.compensated)
-            {
-                // Cannot fail: there are as many as came in.
-                _ = self.block.extend_from_slice(&value.to_le_bytes());
+            for channel in &outcome.channels {
+                crc.add(channel.status, &channel.bias);
+                for value in &channel.compensated {
+                    // Cannot fail: there are as many as came in.
+                    _ = self.block.extend_from_slice(&value.to_le_bytes());
+                }
             }
             last = Some(outcome);
         }
@@ -104,6 +105,7 @@ where
             channels: states(&last),
             bias: axes(&last.channels.each_ref().map(|channel| channel.bias)),
             compensated: &self.block,
+            crc: crc.finish(),
         })
     }
 

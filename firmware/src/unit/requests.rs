@@ -38,6 +38,7 @@ where
                 sample_rate_hz: self.schedule.sample_rate_hz,
                 samples_per_update: self.schedule.samples_per_update,
                 bank: self.storage.active().map(|active| bank_of(active.slot)),
+                spare: self.storage.spare(),
                 table_crc: self.tables.map_or(0, |(_, crc)| crc),
                 sequence: self.storage.active().map_or(0, |active| active.sequence),
                 scale_factor_arcsec: self.scale_factor_arcsec,
@@ -63,8 +64,8 @@ where
             } => self.re_zero(averaging_s, &expected),
             Request::ClearOffsets => done(self.clear_offsets()),
             Request::Losses => Response::Losses(self.ends.counts.losses()),
-            Request::SelectBank(bank) => done(self.storage.select::<C, A>(bank)),
-            // A table into the bank that is not active: begin, chunks, commit, activate.
+            // A table into the bank that is not in use: begin, chunks, commit. Then, or at any time,
+            // it is activated.
             Request::UploadBegin { len } => match self.storage.upload_begin(len) {
                 Ok(()) => Response::Expected { offset: 0 },
                 Err(refusal) => Response::Refused(refusal),
@@ -81,9 +82,10 @@ where
             Request::UploadCommit { len, crc } => {
                 done(self.storage.upload_commit::<C, A>(len, crc))
             }
-            Request::Activate => {
-                self.wants_reset = true;
-                Response::Done
+            Request::Activate(bank) => {
+                let selected = self.storage.select::<C, A>(bank);
+                self.wants_reset = selected.is_ok();
+                done(selected)
             }
             // A table back to the host.
             Request::Download { len, .. } if usize::from(len) > MAX_CHUNK => {

@@ -118,6 +118,11 @@ impl<'t, F: Flash> Storage<'t, F> {
         self.active
     }
 
+    /// The bank into which an upload goes.
+    pub fn spare(&mut self) -> Bank {
+        bank_of(self.store.spare(&mut self.flash))
+    }
+
     /// What a table must fit, channel by channel.
     pub fn fits(&self) -> &[Fit] {
         &self.fits
@@ -238,7 +243,7 @@ impl<'t, F: Flash> Storage<'t, F> {
         written.map_err(refusal)
     }
 
-    /// Ends the update, if the image is good.
+    /// Ends the update and keeps the image, if it is good.
     ///
     /// # Errors
     /// Why not.

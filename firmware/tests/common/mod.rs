@@ -421,7 +421,17 @@ impl Bench {
         named.collect()
     }
 
-    /// Writes an image and commits it.
+    /// Writes an image and activates it; the unit is then to be booted.
+    pub(crate) fn update(&mut self, unit: &mut dyn Running, image: &[u8]) -> Result<(), Refusal> {
+        self.upload(unit, image)?;
+        let spare = self.ask(unit, &Request::Identify, |response| match response {
+            Response::Identity { spare, .. } => *spare,
+            other => panic!("{other:?}"),
+        });
+        self.done(unit, &Request::Activate(spare))
+    }
+
+    /// Writes an image and stores it.
     pub(crate) fn upload(&mut self, unit: &mut dyn Running, image: &[u8]) -> Result<(), Refusal> {
         let len = image.len() as u32;
         self.done(unit, &Request::UploadBegin { len })?;
@@ -441,11 +451,14 @@ impl Bench {
         let mut buffer = AlignedBytes([0; IMAGE_LEN]);
         let len = image.len() as u32;
         store.boot(&mut flash, &mut buffer.0, |_| Ok(()));
-        store.begin(&mut flash, len).unwrap();
+        let slot = store.begin(&mut flash, len).unwrap();
         store.write(&mut flash, 0, image).unwrap();
         let crc = Store::crc(image);
         store
             .commit(&mut flash, len, crc, &mut buffer.0, |_| Ok(()))
+            .unwrap();
+        store
+            .select(&mut flash, slot, &mut buffer.0, |_| Ok(()))
             .unwrap();
     }
 
@@ -455,7 +468,7 @@ impl Bench {
         for crc in [0xa, 0xb] {
             bench.boot(|bench, unit| {
                 bench.connect(unit);
-                bench.upload(unit, &image(SERIAL, crc)).unwrap();
+                bench.update(unit, &image(SERIAL, crc)).unwrap();
             });
         }
         bench

@@ -45,14 +45,13 @@ pub enum Error {
     },
     /// Unit and host cannot understand each other.
     #[error(
-        "the unit speaks version {} of the protocol and this program version {}: use the program \
+        "the unit speaks version {unit} of the protocol and this program version {}: use the program \
          that came with the firmware",
-        unit.map_or("another".to_owned(), |major| major.to_string()),
         VERSION.0
     )]
     Version {
-        /// Major version of the unit, where it says.
-        unit: Option<u8>,
+        /// Major version of the unit.
+        unit: u8,
     },
     /// The unit has restarted, or another program has opened a session.
     #[error(

@@ -32,8 +32,8 @@ impl fmt::Display for Shape {
 /// Writes the image of a table into the bank that is not in use, has the unit take it into use,
 /// waits for its boot and asks which table it runs on. `progress` gets the bytes written so far.
 ///
-/// Whatever fails, the unit keeps a good table: the image counts only once it is whole, checked by
-/// the unit and committed.
+/// Whatever fails, the unit keeps a good table: the image is stored only once it is whole and checked
+/// by the unit, and used only once it is activated.
 ///
 /// # Errors
 /// An image that is damaged, of another unit or shape, or that does not fit the board, before
@@ -59,14 +59,14 @@ pub fn flash_set(
     }
     let crc = CRC.checksum(image);
     unit.command(&Request::UploadCommit { len, crc })?;
-    match unit.command(&Request::Activate) {
+    match unit.command(&Request::Activate(before.spare)) {
         // The answer was lost, and the unit has reset itself before it was asked again.
         Err(Error::SessionLost { .. }) => {}
         other => other?,
     }
     unit.reconnect()?;
     let after = unit.identify()?;
-    if after.table_crc == table_crc && after.bank.is_some() && after.bank != before.bank {
+    if after.table_crc == table_crc && after.bank == Some(before.spare) {
         Ok(after)
     } else {
         Err(Error::NotInUse {

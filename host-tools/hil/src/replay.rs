@@ -4,8 +4,8 @@ use std::time::Duration;
 
 use tempco::{MAX_AXES, Schedule, Stream, Table};
 use tempco_link::{
-    ChannelTelemetry, Channels, MAX_BLOCK, Outcome, OutcomeBlock, Request, Response, Sample,
-    SampleBlock, Telemetry,
+    BlockCrc, ChannelTelemetry, Channels, MAX_BLOCK, Outcome, OutcomeBlock, Request, Response,
+    Sample, SampleBlock, Telemetry,
 };
 use tempco_replay::Replay;
 
@@ -20,6 +20,10 @@ pub struct Comparison {
     pub different: u64,
     /// The number of the first of these, from 0 on.
     pub first: Option<u64>,
+    /// Blocks in which a bias or a flag is not the host's, by their CRC.
+    pub different_blocks: u64,
+    /// The number of the sample with which the first of these begins.
+    pub first_block: Option<u64>,
     /// State of the unit before.
     pub before: Telemetry,
     /// State of the unit after.
@@ -33,6 +37,15 @@ impl Comparison {
             self.first.get_or_insert(self.samples);
         }
         self.samples += 1;
+    }
+
+    /// Takes the samples of a block, and whether its CRC is the same.
+    fn count_block(&mut self, same: Vec<bool>, is_same_crc: bool) {
+        if !is_same_crc {
+            self.different_blocks += 1;
+            self.first_block.get_or_insert(self.samples);
+        }
+        same.into_iter().for_each(|is_same| self.count(is_same));
     }
 }
 
@@ -75,7 +88,8 @@ pub fn by_row<const C: usize, const A: usize>(
 /// temperatures come from the rows at which they are due. `done` gets the number of samples so
 /// far.
 ///
-/// The compensated samples are compared, and of the last of each block all else as well.
+/// The compensated samples are compared, and of the last of each block all else as well. Biases and
+/// flags of all samples of a block are compared by their CRC.
 ///
 /// # Errors
 /// As of [`Unit::ask`].
@@ -125,12 +139,16 @@ pub fn by_block<const C: usize, const A: usize>(
                 raw: counts.as_ref().unwrap_or(&raw),
             });
             let takes = Duration::from_secs_f32(block.len() as f32 / schedule.sample_rate_hz);
-            let same = unit.ask_patiently(&request, takes, |response| match response {
-                Response::Block(found) => expected.compare(found, 4 * C * A),
-                _ => None,
-            })?;
-            same.into_iter()
-                .for_each(|is_same| comparison.count(is_same));
+            let crc = core::mem::take(&mut expected.crc).finish();
+            let (same, is_same_crc) =
+                unit.ask_patiently(&request, takes, |response| match response {
+                    Response::Block(found) => {
+                        let same = expected.compare(found, 4 * C * A)?;
+                        Some((same, found.crc == crc))
+                    }
+                    _ => None,
+                })?;
+            comparison.count_block(same, is_same_crc);
             done(comparison.samples);
         }
     })
@@ -149,10 +167,15 @@ struct Expected {
     compensated: Vec<u8>,
     /// Of the last sample.
     last: Outcome,
+    /// Of the biases and flags of all samples.
+    crc: BlockCrc,
 }
 
 impl Expected {
     fn push<const C: usize, const A: usize>(&mut self, made: &tempco_replay::Outcome<C, A>) {
+        for channel in &made.channels {
+            self.crc.add(channel.status, &channel.bias);
+        }
         let made = outcome(made);
         append(&mut self.compensated, &made.compensated);
         self.last = made;
@@ -188,6 +211,8 @@ fn observed(
         samples: 0,
         different: 0,
         first: None,
+        different_blocks: 0,
+        first_block: None,
         after: before.clone(),
         before,
     };

@@ -53,9 +53,11 @@ pub struct Identity {
     pub schedule: Schedule,
     /// The bank in use; none if the unit runs uncompensated.
     pub bank: Option<Bank>,
+    /// The bank into which an upload goes.
+    pub spare: Bank,
     /// CRC of the table in use; 0 without one.
     pub table_crc: u32,
-    /// Number of updates and selections so far.
+    /// Number of selections so far.
     pub sequence: u32,
     /// Scale factor of the gyro \[arcsec/pulse\].
     pub scale_factor_arcsec: f32,
@@ -100,11 +102,12 @@ impl Unit {
         });
         match opened {
             Ok(major) if major == VERSION.0 => Ok(()),
-            Ok(major) => Err(Error::Version { unit: Some(major) }),
+            Ok(unit) => Err(Error::Version { unit }),
+            // Later firmware answers with its version.
             Err(Error::Refused {
                 refusal: Refusal::Version,
                 ..
-            }) => Err(Error::Version { unit: None }),
+            }) => Err(Error::Version { unit: 1 }),
             Err(other) => Err(other),
         }
     }
@@ -236,6 +239,7 @@ impl Unit {
                 sample_rate_hz,
                 samples_per_update,
                 bank,
+                spare,
                 table_crc,
                 sequence,
                 scale_factor_arcsec,
@@ -251,6 +255,7 @@ impl Unit {
                     samples_per_update,
                 },
                 bank,
+                spare,
                 table_crc,
                 sequence,
                 scale_factor_arcsec,
@@ -397,11 +402,10 @@ const fn name(request: &Request) -> &'static str {
         Request::Sample(_) => "a sample of a log",
         Request::Bit => "its built-in test",
         Request::ReZero { .. } => "re-zero",
-        Request::SelectBank(_) => "the choice of a bank",
         Request::UploadBegin { .. } => "the beginning of an upload",
         Request::UploadChunk { .. } => "a chunk of an upload",
         Request::UploadCommit { .. } => "the end of an upload",
-        Request::Activate => "the use of the new table",
+        Request::Activate(_) => "the use of a table",
         Request::Download { .. } => "a download",
         Request::Faults { .. } => "the question for its fault log",
         Request::Restart => "the start of a replay",

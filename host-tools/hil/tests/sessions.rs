@@ -3,13 +3,14 @@
 
 mod common;
 
+use std::io::{Read, Write};
 use std::path::Path;
 use std::time::Duration;
 
 use common::{Figure, SCHEDULE, Wire, image_in, image_of, spawn};
 use tempco_hil::{Error, Patience, Unit, download, flash_set, open, replay};
 use tempco_image::{AlignedBytes, Fit, Image};
-use tempco_link::{Bank, Refusal, Request};
+use tempco_link::{Bank, Decoder, Frame, MAX_FRAME, Refusal, Request, Response};
 use tempco_replay::Sample;
 
 const GOOD: [Wire; 2] = [Wire::GOOD, Wire::GOOD];
@@ -296,30 +297,94 @@ fn replays_find_no_difference_where_there_is_none_and_every_one_where_there_is()
     }
 }
 
-/// By rows everything is compared; by blocks the rest is from the last sample of a block, which
-/// is the 80th.
+/// By rows everything is compared. By blocks, which are of 80 samples but for the last, so is the
+/// last sample; of the others the compensated samples, and biases and flags by the CRC of the block.
 #[test]
 fn a_bit_of_any_figure_of_one_sample_is_found() {
     let (port, flash) = spawn("SN1", GOOD);
     let mut unit = connect(port);
     let image = image_of("SN1", 7, 1.0);
     flash_set(&mut unit, &image, |_| {}).unwrap();
-    for (figure, number, by_block) in [
-        (Figure::Effective, 79, true),
-        (Figure::Rate, 79, true),
-        (Figure::Status, 79, true),
-        (Figure::Bias, 79, true),
-        (Figure::Compensated, 79, true),
-        (Figure::Compensated, 17, true),
-        (Figure::Bias, 17, false),
+    for (figure, number, by_sample, block) in [
+        (Figure::Effective, 79, true, None),
+        (Figure::Rate, 79, true, None),
+        (Figure::Status, 79, true, Some(0)),
+        (Figure::Bias, 79, true, Some(0)),
+        (Figure::Compensated, 79, true, None),
+        (Figure::Compensated, 17, true, None),
+        (Figure::Bias, 17, false, Some(0)),
+        (Figure::Bias, 80, false, Some(80)),
+        (Figure::Status, 98, false, Some(80)),
     ] {
         flash.lock().unwrap().spoil = Some((number, figure));
         let [rows, blocks] = replays(&mut unit, &image, 100);
         let found = Some(number as u64);
         assert_eq!((rows.different, rows.first), (1, found), "{figure:?}");
-        let expected = if by_block { (1, found) } else { (0, None) };
+        assert_eq!((rows.different_blocks, rows.first_block), (0, None));
+        let expected = if by_sample { (1, found) } else { (0, None) };
         assert_eq!((blocks.different, blocks.first), expected, "{figure:?}");
+        let expected = (u64::from(block.is_some()), block);
+        let found = (blocks.different_blocks, blocks.first_block);
+        assert_eq!(found, expected, "{figure:?} {number}");
     }
+}
+
+/// An older unit refuses without a version of its own, a newer one states it.
+#[test]
+fn units_of_other_versions_are_told_by_their_version() {
+    let answers = |message: Response<'static>| {
+        let (port, mut unit) = std::os::unix::net::UnixStream::pair().unwrap();
+        std::thread::spawn(move || {
+            let mut decoder = Decoder::new();
+            let mut byte = [0];
+            while unit.read_exact(&mut byte).is_ok() {
+                let Some(plain) = decoder.push(byte[0]) else {
+                    continue;
+                };
+                let frame = Frame {
+                    session: 0,
+                    sequence: u16::from(plain[1]),
+                    message: match &message {
+                        Response::Hello { major, .. } => Response::Hello {
+                            major: *major,
+                            minor: 0,
+                            // The varint behind session, sequence, request and version.
+                            nonce: plain[5..]
+                                .iter()
+                                .take(5)
+                                .zip(0..)
+                                .fold(0, |nonce, (byte, at)| {
+                                    nonce | u32::from(byte & 0x7f) << (7 * at)
+                                }),
+                            session: 0,
+                        },
+                        other => other.clone(),
+                    },
+                };
+                let mut wire = [0; MAX_FRAME];
+                let len = frame.encode(&mut wire).unwrap();
+                _ = unit.write_all(&wire[..len]);
+            }
+        });
+        port.set_read_timeout(Some(Duration::from_millis(5)))
+            .unwrap();
+        let error = Unit::connect(Box::new(port), IMPATIENT).err().unwrap();
+        error.to_string()
+    };
+    let told = |version| {
+        format!(
+            "the unit speaks version {version} of the protocol and this program version 2: use the \
+             program that came with the firmware"
+        )
+    };
+    assert_eq!(answers(Response::Refused(Refusal::Version)), told(1));
+    let newer = Response::Hello {
+        major: 3,
+        minor: 0,
+        nonce: 0,
+        session: 0,
+    };
+    assert_eq!(answers(newer), told(3));
 }
 
 #[test]
@@ -347,10 +412,10 @@ fn the_whole_fault_log_is_read() {
 fn refusals_silence_and_missing_ports_are_told_apart() {
     let (port, _flash) = spawn("SN1", GOOD);
     let mut unit = connect(port);
-    let error = unit.command(&Request::SelectBank(Bank::B)).unwrap_err();
+    let error = unit.command(&Request::Activate(Bank::B)).unwrap_err();
     assert_eq!(
         error.to_string(),
-        "the unit refused the choice of a bank: it cannot do this"
+        "the unit refused the use of a table: its flash failed, or there is no such table in it"
     );
 
     let (port, _silent) = std::os::unix::net::UnixStream::pair().unwrap();

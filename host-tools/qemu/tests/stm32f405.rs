@@ -17,7 +17,7 @@ use support::{WORKSPACE, example, example_image_in, image};
 use tempco_firmware::board::mps2_an386::nor::Nor;
 use tempco_firmware::board::stm32f405::store::{REGIONS, SECTOR, SECTORS};
 use tempco_hil::{Patience, open};
-use tempco_image::{AlignedBytes, Unit};
+use tempco_image::{AlignedBytes, Image, Unit};
 use tempco_link::{Bank, Fault, Request};
 use tempco_qemu::{Board, Machine, MachineOptions, Variant, build_variant};
 use tempco_store::Store;
@@ -166,12 +166,12 @@ fn store_with_example() -> Vec<u8> {
     ] {
         let len = image.len() as u32;
         store.boot(flash, &mut buffer.0, |_| Ok(()));
-        store.begin(flash, len).unwrap();
+        let slot = store.begin(flash, len).unwrap();
         store.write(flash, 0, &image).unwrap();
         let crc = Store::crc(&image);
-        store
-            .commit(flash, len, crc, &mut buffer.0, |_| Ok(()))
-            .unwrap();
+        let all = |_: &Image| Ok(());
+        store.commit(flash, len, crc, &mut buffer.0, all).unwrap();
+        store.select(flash, slot, &mut buffer.0, all).unwrap();
     }
     let words = cells.iter().map(|cell| cell.load(Ordering::Relaxed));
     words.flat_map(u32::to_le_bytes).collect()
@@ -223,7 +223,7 @@ fn the_application_takes_its_table_from_the_flash_and_serves_the_link() {
     assert!(faults.contains(Fault::SensorBus) && !faults.contains(Fault::NoTable));
     assert!(faults.contains(Fault::SpareTable));
 
-    unit.command(&Request::Activate).unwrap();
+    unit.command(&Request::Activate(Bank::A)).unwrap();
     unit.reconnect().unwrap();
     let third = unit.telemetry(0).unwrap();
     assert_eq!(third.index, first.index, "it did not start again");

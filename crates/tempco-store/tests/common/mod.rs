@@ -7,7 +7,7 @@ use embedded_storage::nor_flash::NorFlash;
 use flash::Flash;
 use tempco::{Terms, ThermalSettings};
 use tempco_image::{AlignedBytes, Axis, CRC, Channel, Image, ImageError, Info, Unit, encode};
-use tempco_store::{Boot, Region, Store, StoreError};
+use tempco_store::{Boot, Region, Slot, Store, StoreError};
 
 pub(crate) const SERIAL: &str = "SN7";
 
@@ -72,20 +72,32 @@ pub(crate) fn active_version(boot: &Boot, buffer: &Buffer) -> Option<u32> {
     Some(image.info().table_crc)
 }
 
-/// A whole update in chunks of 64 bytes.
+/// A whole update in chunks of 64 bytes, up to the selection.
 pub(crate) fn update<F: NorFlash>(
     store: &mut Store,
     flash: &mut F,
     image: &[u8],
     buffer: &mut Buffer,
 ) -> Result<(), StoreError> {
-    store.begin(flash, image.len() as u32)?;
+    let slot = store_image(store, flash, image, buffer)?;
+    store.select(flash, slot, &mut buffer.0, accept)
+}
+
+/// An image stored in chunks of 64 bytes, and where.
+pub(crate) fn store_image<F: NorFlash>(
+    store: &mut Store,
+    flash: &mut F,
+    image: &[u8],
+    buffer: &mut Buffer,
+) -> Result<Slot, StoreError> {
+    let slot = store.begin(flash, image.len() as u32)?;
     let mut offset = 0;
     for chunk in image.chunks(64) {
         offset = store.write(flash, offset, chunk)?;
     }
     let len = image.len() as u32;
-    store.commit(flash, len, CRC.checksum(image), &mut buffer.0, accept)
+    store.commit(flash, len, CRC.checksum(image), &mut buffer.0, accept)?;
+    Ok(slot)
 }
 
 /// A flash in which version 1 was booted from A and version 2 from B.

@@ -5,9 +5,9 @@ use core::hint::black_box;
 use heapless::Vec;
 use tempco::MAX_AXES;
 use tempco_link::{
-    Axes, Bank, ChannelTelemetry, Client, Event, Fault, FaultEntry, Handler, LinkError, MAX_BLOCK,
-    MAX_CHUNK, MAX_FAULTS, MAX_FRAME, Outcome, OutcomeBlock, Refusal, Request, Response, Sample,
-    SampleBlock, Server, Telemetry,
+    Axes, Bank, BlockCrc, ChannelTelemetry, Client, Event, Fault, FaultEntry, Handler, LinkError,
+    MAX_BLOCK, MAX_CHUNK, MAX_FAULTS, MAX_FRAME, Outcome, OutcomeBlock, Refusal, Request, Response,
+    Sample, SampleBlock, Server, Telemetry,
 };
 
 /// Says hello, asks everything there is to ask and takes the answers.
@@ -40,14 +40,13 @@ pub fn links() -> Result<(), LinkError> {
             averaging_s: 60,
             expected: Axes::new(),
         },
-        Request::SelectBank(Bank::B),
         Request::UploadBegin { len: 256 },
         Request::UploadChunk {
             offset: 0,
             bytes: chunk,
         },
         Request::UploadCommit { len: 256, crc: 0 },
-        Request::Activate,
+        Request::Activate(Bank::B),
         Request::Download {
             bank: Bank::A,
             offset: 0,
@@ -121,6 +120,7 @@ impl Handler for Unit {
                 sample_rate_hz: 1000.0,
                 samples_per_update: 100,
                 bank: Some(Bank::A),
+                spare: Bank::B,
                 table_crc: 7,
                 sequence: 1,
                 scale_factor_arcsec: 1.0,
@@ -132,7 +132,7 @@ impl Handler for Unit {
             Request::Bit => Response::Bit {
                 faults: Fault::ALL.into_iter().collect(),
             },
-            Request::SelectBank(_) => Response::Refused(Refusal::Store),
+            Request::Activate(_) => Response::Refused(Refusal::Store),
             Request::UploadBegin { .. } => Response::Expected { offset: 0 },
             Request::UploadChunk { offset, bytes } => Response::Expected {
                 offset: offset.wrapping_add(bytes.len() as u32),
@@ -147,10 +147,13 @@ impl Handler for Unit {
                 for (place, byte) in self.bytes.iter_mut().zip(block.raw) {
                     *place = *byte;
                 }
+                let mut crc = BlockCrc::default();
+                crc.add(black_box(1), black_box(&[0.5; MAX_AXES]));
                 Response::Block(OutcomeBlock {
                     channels: all(ChannelTelemetry::default()),
                     bias: all(0.5),
                     compensated: &self.bytes,
+                    crc: crc.finish(),
                 })
             }
             _ => Response::Done,

@@ -70,7 +70,7 @@ fn update<F: NorFlash>(
     buffer: &mut Buffer,
 ) -> Result<(), StoreError> {
     let len = image.len() as u32;
-    _ = black_box(store.begin(flash, len)?);
+    let slot = store.begin(flash, len)?;
     let mut offset = 0;
     for chunk in image.chunks(64) {
         // Twice, as over a link that loses answers.
@@ -78,7 +78,9 @@ fn update<F: NorFlash>(
         offset = store.write(flash, black_box(offset), chunk)?;
     }
     _ = black_box(store.expected());
-    store.commit(flash, len, Store::crc(image), &mut buffer.0, accept)
+    store.commit(flash, len, Store::crc(image), &mut buffer.0, accept)?;
+    _ = black_box(store.spare(flash));
+    store.select(flash, slot, &mut buffer.0, accept)
 }
 
 /// As a unit accepts an image, and all that can be asked of one besides.

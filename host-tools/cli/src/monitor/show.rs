@@ -151,7 +151,7 @@ fn line(telemetry: &Telemetry) -> String {
 #[cfg(test)]
 mod tests {
     use tempco::Schedule;
-    use tempco_link::{Fault, FaultSet, Outcome};
+    use tempco_link::{Bank, Fault, FaultSet, Outcome};
 
     use super::*;
 
@@ -167,6 +167,7 @@ mod tests {
                 samples_per_update: 200,
             },
             bank: None,
+            spare: Bank::A,
             table_crc: 0,
             sequence: 0,
             scale_factor_arcsec: 1.0,

@@ -82,6 +82,8 @@ pub(super) fn through(
     Ok(Differences {
         count: comparison.different as usize,
         first: comparison.first.map(|row| row as usize),
+        blocks: comparison.different_blocks as usize,
+        first_block: comparison.first_block.map(|row| row as usize),
     })
 }
 

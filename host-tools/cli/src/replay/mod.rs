@@ -88,6 +88,14 @@ pub(crate) fn run(args: &Args) -> Result<Exit> {
         Target::Port(port) => hardware::at_port(&replay, port, args.baud, args.real_time)?,
         Target::Qemu => args.emulator.run(&replay, args.real_time)?,
     };
+    if let Some(row) = differences.first_block {
+        say!(
+            "blocks in which a bias or a flag differs: {}, the first one from row {} at {} s on",
+            differences.blocks,
+            row + 1,
+            log.time_s[row]
+        );
+    }
     print(format_args!(
         "{} of {} samples differ between host and {place}",
         differences.count,
@@ -100,7 +108,7 @@ pub(crate) fn run(args: &Args) -> Result<Exit> {
             log.time_s[row]
         );
     }
-    Ok(Exit::of(differences.count == 0))
+    Ok(Exit::of(differences.count == 0 && differences.blocks == 0))
 }
 
 /// What is replayed.
@@ -116,6 +124,9 @@ struct Replay<'a> {
 struct Differences {
     count: usize,
     first: Option<usize>,
+    /// Blocks whose CRC of biases and flags differs, and the first row of the first one.
+    blocks: usize,
+    first_block: Option<usize>,
 }
 
 impl Replay<'_> {

@@ -88,5 +88,7 @@ fn compare(streams: &Streams, outcomes: &[u8]) -> Result<Differences> {
     Ok(Differences {
         count: usize::from(first.is_some()) + different.count(),
         first,
+        blocks: 0,
+        first_block: None,
     })
 }

@@ -9,8 +9,8 @@ use std::thread;
 use tempco::{Schedule, Stream, Table, Terms, ThermalSettings};
 use tempco_image::{AlignedBytes, Axis, CRC, Channel, Fit, Image, Info, Unit, encode};
 use tempco_link::{
-    Bank, ChannelTelemetry, FaultEntry, Handler, Losses, MAX_FAULTS, Outcome, OutcomeBlock,
-    Refusal, Request, Response, Sample, SampleBlock, Server, Telemetry,
+    Bank, BlockCrc, ChannelTelemetry, FaultEntry, Handler, Losses, MAX_FAULTS, Outcome,
+    OutcomeBlock, Refusal, Request, Response, Sample, SampleBlock, Server, Telemetry,
 };
 use tempco_replay::Replay;
 
@@ -137,6 +137,7 @@ impl Handler for Running {
                     sample_rate_hz: SCHEDULE.sample_rate_hz,
                     samples_per_update: SCHEDULE.samples_per_update,
                     bank: self.in_use.map(|bank| [Bank::A, Bank::B][bank]),
+                    spare: [Bank::A, Bank::B][spare],
                     table_crc: self.table_crc,
                     sequence: flash.boots,
                     scale_factor_arcsec: fit.scale_factor_arcsec,
@@ -175,12 +176,16 @@ impl Handler for Running {
                     return Response::Refused(refusal);
                 }
                 flash.banks[spare].clone_from(&self.upload);
-                if !flash.is_stubborn {
-                    flash.chosen = Some(spare);
-                }
                 Response::Done
             }
-            Request::Activate => {
+            Request::Activate(bank) => {
+                let bank = usize::from(bank == Bank::B);
+                if flash.banks[bank].is_empty() {
+                    return Response::Refused(Refusal::Store);
+                }
+                if !flash.is_stubborn {
+                    flash.chosen = Some(bank);
+                }
                 self.resets = Some(if flash.is_hasty {
                     Reset::AtOnce
                 } else {
@@ -238,10 +243,12 @@ impl Running {
         }
         self.answer.clear();
         let mut last = Outcome::default();
+        let mut crc = BlockCrc::default();
         let values: Vec<f32> = block.values().unwrap().collect();
         for raw in values.as_chunks().0 {
             let made = outcome(&self.stream.sample(&[*raw]).into());
             last = self.spoilt(made);
+            crc.add(last.channels[0].status.into(), &last.bias);
             for value in &last.compensated {
                 self.answer.extend(value.to_le_bytes());
             }
@@ -251,6 +258,7 @@ impl Running {
             channels: last.channels,
             bias: last.bias,
             compensated: &self.answer,
+            crc: crc.finish(),
         })
     }
 }
