@@ -67,7 +67,8 @@ impl Write for Line {
 fn samples(count: usize) -> Vec<In> {
     (0..count)
         .map(|i| Sample {
-            dt_s: 1.0,
+            // The bad temperatures are updates.
+            update_s: (i % 3 != 1 || i % 50 == 49).then_some(1.0),
             temps_c: [if i % 50 == 49 {
                 f32::NAN
             } else {

@@ -796,14 +796,16 @@ fn replays_are_those_of_the_host() {
             for number in 0..40_u8 {
                 let temps_c = [20.0 + f32::from(number)];
                 let raw = [[f32::from(number), 0.5, f32::NAN]];
+                // Every third row is no thermal update.
+                let update_s = (number % 3 != 1).then_some(1.0);
                 let sample = ReplayedSample {
-                    dt_s: 1.0,
+                    update_s,
                     temps_c,
                     raw,
                 };
                 let expected = rows.step(&sample).channels[0];
                 let request = Request::Sample(Sample {
-                    dt_s: 1.0,
+                    update_s,
                     temps_c: temps_c.into_iter().collect(),
                     raw: raw[0].into_iter().collect(),
                 });

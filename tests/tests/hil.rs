@@ -15,13 +15,15 @@ use serde_json::Value;
 use simulated::{FIT, Figure, Flash, Wire, image_of, serve};
 use tempco_hil::{Patience, open, replay};
 use tempco_image::{AlignedBytes, Fit, Image, Unit};
+use tempco_log::{ReadOptions, read_log};
 use tempco_qemu::{Board, Machine, MachineOptions};
 use tempco_set::load_set;
+use tempco_set::run::{Updates, apply, inputs};
 use tempco_tests::rig::{SERIAL, image};
 use tempco_tests::{Bench, root};
 
-/// A folder with a set of the unit `serial`, in `set`, and two logs: `log.csv`, and `fast.csv` of
-/// the units' sample rate.
+/// A folder with a set of the unit `serial`, in `set`, and three logs: `log.csv`, `fifty.csv` of
+/// 50 Hz, and `fast.csv` of the units' sample rate.
 fn fitted(serial: &str) -> Bench {
     let bench = Bench::new();
     bench.ok("simulate --unit paper --profile short --seed 5 --out long.csv");
@@ -39,6 +41,7 @@ fn fitted(serial: &str) -> Bench {
         fast += &format!("{},{},{x},{y},{z}\n", t * 0.0005, 20.0 + t * 1e-4);
     }
     bench.write("fast.csv", &fast);
+    bench.write("fifty.csv", &fifty_hz());
     bench
 }
 
@@ -85,6 +88,7 @@ fn a_set_goes_into_the_emulated_unit_and_logs_through_it_bit_for_bit() {
     }
     for (log, real_time, rows) in [
         ("log.csv", "", 600),
+        ("fifty.csv", "", 3000),
         ("fast.csv", "", 1501),
         ("fast.csv", "--real-time", 1501),
     ] {
@@ -149,7 +153,7 @@ fn one_bit_of_a_coefficient_is_found(bench: &Bench, machine: &Machine) {
     let mut unit = tempco_hil::Unit::connect(port, Patience::default()).unwrap();
     let samples = || {
         (0..50).map(|_| tempco_replay::Sample {
-            dt_s: 1.0,
+            update_s: Some(1.0),
             temps_c: [within_c],
             raw: [[0.0; 3]],
         })
@@ -203,6 +207,65 @@ fn a_block_that_differs_is_reported_with_its_time() {
         "blocks in which a bias or a flag differs: 1, the first one from row 201 at 0.1 s on";
     assert!(ran.err.contains(block), "{}", ran.err);
     assert!(ran.out.contains("0 of 1501 samples differ"), "{}", ran.out);
+}
+
+/// A minute at 50 Hz, with a temperature that is told ten times a second: the replay's
+/// step gives the same as `apply`, to the bit.
+#[test]
+fn a_log_of_50_hz_is_replayed_with_the_updates_of_apply() {
+    let bench = fitted("SN1");
+    let (port, flash) = simulated(&bench, "SN1");
+    let port = port.display();
+    bench.ok(&format!("flash-set set/table.bin --port {port}"));
+    let out = bench.ok(&format!("replay set/table.bin fifty.csv --target {port}"));
+    assert!(out.contains("0 of 3000 samples differ"), "{out}");
+    // The set was fitted at 2 Hz.
+    assert_eq!(flash.lock().unwrap().updates, 120);
+
+    let mut set = load_set(&bench.path("set/coefficients.json")).unwrap();
+    let log = read_log(&bench.path("fifty.csv"), &ReadOptions::default()).unwrap();
+    for (period_s, expected) in [(1.0, 60), (0.1, 600), (0.02, 600)] {
+        set.settings.thermal_period_s = period_s;
+        let applied = apply(&set, &log).unwrap();
+        let inputs = &inputs(&set, &log).unwrap()[0];
+        let period_s = set.thermal_period_s(log.interval_s);
+        let mut updates = Updates::new(log.time_s[0], log.interval_s, period_s);
+        let bytes = fs::read(bench.path("set/table.bin")).unwrap();
+        let mut place = Box::new(AlignedBytes([0; 65_536]));
+        place.0[..bytes.len()].copy_from_slice(&bytes);
+        let tables = Image::read(&place.0).unwrap().tables::<1, 3>().unwrap();
+        let mut host = tempco_replay::Replay::new(&tables);
+        let mut count = 0;
+        for (row, time_s) in log.time_s.iter().enumerate() {
+            let update_s = updates.due(*time_s);
+            count += usize::from(update_s.is_some());
+            let outcome = host.step(&tempco_replay::Sample {
+                update_s,
+                temps_c: [inputs.temp_c[row]],
+                raw: [inputs.row(row)],
+            });
+            let [channel] = outcome.channels;
+            assert_eq!(channel.flags(), applied.status[row], "row {row}");
+            for (axis, output) in applied.axes.iter().enumerate() {
+                let found = (channel.bias[axis], channel.compensated[axis]);
+                let of_apply = (output.bias[row], output.compensated[row]);
+                let bits = |(a, b): (f32, f32)| (a.to_bits(), b.to_bits());
+                assert_eq!(bits(found), bits(of_apply), "row {row}");
+            }
+        }
+        assert_eq!(count, expected);
+    }
+}
+
+/// A log of 3000 rows at 50 Hz.
+fn fifty_hz() -> String {
+    let mut log = "time_s,temp_c,x_pulses_per_s,y_pulses_per_s,z_pulses_per_s\n".to_owned();
+    for row in 0..3000 {
+        let t = f64::from(row) * 0.02;
+        let [x, y, z] = [0.3, 0.7, 11.0].map(|pace| (pace * t).sin());
+        log += &format!("{t},{},{x},{y},{z}\n", 20.0 + 0.05 * t + 0.01 * z);
+    }
+    log
 }
 
 #[test]

@@ -245,9 +245,9 @@ pub enum Refusal {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Sample {
-    /// Time since the sample before \[s\].
-    pub dt_s: f32,
-    /// Temperatures; NaN where there is none \[degC\].
+    /// Time since the last thermal update, where this is one \[s\].
+    pub update_s: Option<f32>,
+    /// Temperatures; NaN where there is none. Taken by an update alone \[degC\].
     pub temps_c: Channels<f32>,
     /// Gyro samples \[unit of the axis\].
     pub raw: Axes,

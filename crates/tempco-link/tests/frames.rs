@@ -53,7 +53,7 @@ fn the_longest_messages_fit_and_longer_ones_are_refused() {
         bytes: &bytes,
     });
     fits(Request::Sample(Sample {
-        dt_s: f32::MAX,
+        update_s: Some(f32::MAX),
         temps_c: filled(&f32::MAX),
         raw: filled(&f32::MAX),
     }));

@@ -3,7 +3,7 @@
 use core::fmt;
 
 /// Version of the format this crate reads and writes.
-pub const VERSION: u16 = 1;
+pub const VERSION: u16 = 2;
 
 /// What the records of a stream are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -2,8 +2,12 @@
 //!
 //! A log becomes a stream of fixed-length samples; the replay step turns each into an outcome of
 //! fixed length. Host and firmware run the same [`Replay`], so their outcome streams can be
-//! compared byte by byte. What a [`tempco::Stream`] puts out becomes an [`Outcome`] too. This crate knows nothing of files or wires: it encodes into and decodes
-//! from byte slices, without heap and without panics.
+//! compared byte by byte. What a [`tempco::Stream`] puts out becomes an [`Outcome`] too. This crate
+//! knows nothing of files or wires: it encodes into and decodes from byte slices, without heap and
+//! without panics.
+//!
+//! Who makes the samples says which of them are thermal updates. In between, the bias of the last
+//! update stays.
 //!
 //! # Format
 //!
@@ -18,11 +22,12 @@
 //! | axes | 11 | u8 | `A` |
 //! | table CRC | 12 | u32 | of the table that made the outcomes; 0 for samples |
 //!
-//! | sample, `4 (1 + C + C A)` bytes | offset | type | content |
+//! | sample, `4 (2 + C + C A)` bytes | offset | type | content |
 //! |---|---|---|---|
-//! | `dt_s` | 0 | f32 | time since the sample before \[s\] |
-//! | `temps_c[c]` | `4 + 4 c` | f32 | temperature \[degC\] |
-//! | `raw[c][a]` | `4 + 4 C + 4 (c A + a)` | f32 | gyro sample \[unit of the axis\] |
+//! | is update | 0 | u32 | 0 where the row is no thermal update, else 1 |
+//! | `update_s` | 4 | f32 | of an update, time since the one before \[s\]; else 0 |
+//! | `temps_c[c]` | `8 + 4 c` | f32 | temperature \[degC\] |
+//! | `raw[c][a]` | `8 + 4 C + 4 (c A + a)` | f32 | gyro sample \[unit of the axis\] |
 //!
 //! | outcome, `C` times `4 (3 + 2 A)` bytes | offset in channel | type | content |
 //! |---|---|---|---|
@@ -37,7 +42,7 @@
 //! ```
 //! use tempco_replay::{Header, Record, Sample, decode_all};
 //!
-//! let sample = Sample { dt_s: 1.0, temps_c: [25.0], raw: [[0.1, 0.2, 0.3]] };
+//! let sample = Sample { update_s: Some(1.0), temps_c: [25.0], raw: [[0.1, 0.2, 0.3]] };
 //! let mut bytes = [0; Header::LEN + Sample::<1, 3>::LEN];
 //! bytes[..Header::LEN].copy_from_slice(&Header::samples::<1, 3>().encode());
 //! sample.encode(&mut bytes[Header::LEN..])?;

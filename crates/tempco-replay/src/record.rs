@@ -18,16 +18,17 @@ pub trait Record: Sized {
     /// Reads a record from the start of `bytes`.
     ///
     /// # Errors
-    /// Fewer than [`LEN`](Self::LEN) bytes. All bit patterns are records: a NaN is data.
+    /// Fewer than [`LEN`](Self::LEN) bytes. All bit patterns are records: a NaN is data, and whatever is
+    /// not 0 says yes.
     fn decode(bytes: &[u8]) -> Result<Self, RecordError>;
 }
 
 /// One moment of a log: `C` temperatures, each with the raw samples of its `A` axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample<const C: usize, const A: usize> {
-    /// Time since the sample before \[s\].
-    pub dt_s: f32,
-    /// Temperature of each channel \[degC\]; NaN where there is none.
+    /// Time since the last thermal update, where this is one \[s\].
+    pub update_s: Option<f32>,
+    /// Temperature of each channel \[degC\]; NaN where there is none. Taken by an update alone.
     pub temps_c: [f32; C],
     /// Gyro samples of each channel's axes \[unit of the axis\].
     pub raw: [[f32; A]; C],
@@ -97,12 +98,13 @@ fn canonical(value: f32) -> f32 {
 impl<const C: usize, const A: usize> Record for Sample<C, A> {
     const LEN: usize = {
         assert!(C > 0 && A > 0, "a record has channels and axes");
-        4 * (1 + C + C * A)
+        4 * (2 + C + C * A)
     };
 
     fn encode(&self, bytes: &mut [u8]) -> Result<(), RecordError> {
         let mut words = WordWriter::new(bytes, Self::LEN)?;
-        words.put_f32(self.dt_s);
+        words.put(u32::from(self.update_s.is_some()));
+        words.put_f32(self.update_s.unwrap_or(0.0));
         words.put_all(&self.temps_c);
         for axes in &self.raw {
             words.put_all(axes);
@@ -112,8 +114,10 @@ impl<const C: usize, const A: usize> Record for Sample<C, A> {
 
     fn decode(bytes: &[u8]) -> Result<Self, RecordError> {
         let mut words = WordReader::new(bytes, Self::LEN)?;
+        let is_update = words.take() != 0;
+        let update_s = words.take_f32();
         Ok(Self {
-            dt_s: words.take_f32(),
+            update_s: is_update.then_some(update_s),
             temps_c: core::array::from_fn(|_| words.take_f32()),
             raw: core::array::from_fn(|_| core::array::from_fn(|_| words.take_f32())),
         })

@@ -1,17 +1,20 @@
 //! The step that host and firmware share.
 
-use tempco::{Compensator, Interval, Status, Table, Validity};
+use tempco::{Compensator, Interval, Output, Status, Table, Validity};
 
 use crate::{Outcome, Sample};
 
 /// One compensator per temperature channel, fed with a log.
 ///
-/// The first sample starts every channel at its temperature; that sample and all later ones are
-/// then stepped with the time they bring along.
+/// The first sample is a thermal update in any case and starts every channel at its temperature; that
+/// one and all later updates are stepped with the time they bring along. A sample in between gets
+/// the bias and the flags of the last update.
 #[derive(Clone, Debug)]
 pub struct Replay<'t, const C: usize, const A: usize> {
     tables: &'t [Table<'t, A>; C],
     units: [Compensator<'t, A>; C],
+    /// The last update of each channel; none before the first sample.
+    last: Option<[Output<A>; C]>,
     samples: u32,
     not_valid: u32,
     seen: Status,
@@ -23,6 +26,7 @@ impl<'t, const C: usize, const A: usize> Replay<'t, C, A> {
         Self {
             tables,
             units: tables.each_ref().map(Compensator::new),
+            last: None,
             samples: 0,
             not_valid: 0,
             seen: Status::OK,
@@ -31,17 +35,21 @@ impl<'t, const C: usize, const A: usize> Replay<'t, C, A> {
 
     /// Takes one sample through every channel.
     pub fn step(&mut self, sample: &Sample<C, A>) -> Outcome<C, A> {
-        let first = self.samples == 0;
+        let updated = match (self.last, sample.update_s) {
+            (Some(last), None) => last,
+            (_, update_s) => self.update(update_s.unwrap_or(0.0), &sample.temps_c),
+        };
         let mut seen = Status::OK;
         let channels = core::array::from_fn(|channel| {
-            let unit = &mut self.units[channel];
-            let interval = Interval::new(self.tables[channel].thermal(), sample.dt_s);
-            let temp_c = sample.temps_c[channel];
-            if first {
-                unit.start(temp_c);
-            }
-            let output = unit.step(&interval, temp_c, sample.raw[channel]);
-            seen |= output.status;
+            let (last, raw) = (updated[channel], &sample.raw[channel]);
+            let status = last.status | Status::of_raw(raw);
+            seen |= status;
+            let compensated = core::array::from_fn(|axis| raw[axis] - last.bias[axis]);
+            let output = Output {
+                compensated,
+                status,
+                ..last
+            };
             output.into()
         });
         self.samples = self.samples.saturating_add(1);
@@ -49,6 +57,20 @@ impl<'t, const C: usize, const A: usize> Replay<'t, C, A> {
         self.not_valid = self.not_valid.saturating_add(not_valid);
         self.seen |= seen;
         Outcome { channels }
+    }
+
+    /// Takes the temperatures, `dt_s` after the last ones, with gyro samples of 0.
+    fn update(&mut self, dt_s: f32, temps_c: &[f32; C]) -> [Output<A>; C] {
+        let is_first = self.last.is_none();
+        let updated = core::array::from_fn(|channel| {
+            let unit = &mut self.units[channel];
+            let interval = Interval::new(self.tables[channel].thermal(), dt_s);
+            if is_first {
+                unit.start(temps_c[channel]);
+            }
+            unit.step(&interval, temps_c[channel], [0.0; A])
+        });
+        *self.last.insert(updated)
     }
 
     /// What happened so far.

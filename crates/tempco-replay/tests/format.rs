@@ -9,28 +9,35 @@ use tempco_replay::{
 fn header_is_laid_out_as_documented() {
     assert_eq!(
         Header::samples::<2, 3>().encode(),
-        *b"TCSAMPLE\x01\x00\x02\x03\0\0\0\0"
+        *b"TCSAMPLE\x02\x00\x02\x03\0\0\0\0"
     );
     assert_eq!(
         Header::outcomes::<1, 3>(0x1234_5678).encode(),
-        *b"TCOUTCOM\x01\x00\x01\x03\x78\x56\x34\x12"
+        *b"TCOUTCOM\x02\x00\x01\x03\x78\x56\x34\x12"
     );
 }
 
 #[test]
 fn sample_is_laid_out_as_documented() {
-    let sample = Sample {
-        dt_s: 1.0,
+    let mut sample = Sample {
+        update_s: Some(1.0),
         temps_c: [2.0, 3.0],
         raw: [[4.0, 5.0, 6.0], [7.0, 8.0, 9.0]],
     };
-    let mut bytes = [0xaa; 37];
+    let mut bytes = [0xaa; 41];
     sample.encode(&mut bytes).unwrap();
-    assert_eq!(Sample::<2, 3>::LEN, 36);
-    for (word, expected) in bytes.chunks_exact(4).zip(1_u8..) {
+    assert_eq!(Sample::<2, 3>::LEN, 40);
+    assert_eq!(bytes[..4], [1, 0, 0, 0]);
+    for (word, expected) in bytes[4..].chunks_exact(4).zip(1_u8..) {
         assert_eq!(word, f32::from(expected).to_le_bytes());
     }
-    assert_eq!(bytes[36], 0xaa, "the byte behind the record is not touched");
+    assert_eq!(bytes[40], 0xaa, "the byte behind the record is not touched");
+    // A row that is no update.
+    sample.update_s = None;
+    sample.encode(&mut bytes).unwrap();
+    assert_eq!(bytes[..8], [0; 8]);
+    assert_eq!(bytes[8..12], 2.0_f32.to_le_bytes());
+    assert_eq!(Sample::decode(&bytes), Ok(sample));
 }
 
 #[test]
@@ -73,10 +80,10 @@ fn foreign_headers_are_refused_with_the_reason() {
         assert_eq!(Header::decode(&bytes), Err(HeaderError::Magic));
     }
     let mut newer = bytes;
-    newer[8] = 2;
+    newer[8] = 3;
     assert_eq!(
         Header::decode(&newer),
-        Err(HeaderError::Version { found: 2 })
+        Err(HeaderError::Version { found: 3 })
     );
 
     let refused = |expected: Header| good.expect(&expected).unwrap_err();
@@ -133,10 +140,13 @@ fn round_trip<R: Record>(bytes: &[u8]) {
 proptest! {
     #[test]
     fn records_of_arbitrary_bits_survive(bytes in proptest::collection::vec(any::<u8>(), 256)) {
-        round_trip::<Sample<1, 1>>(&bytes);
-        round_trip::<Sample<1, 3>>(&bytes);
-        round_trip::<Sample<3, 1>>(&bytes);
-        round_trip::<Sample<4, 5>>(&bytes);
+        for head in [[1, 0, 0, 0, bytes[4], bytes[5], bytes[6], bytes[7]], [0; 8]] {
+            let bytes = [&head, &bytes[8..]].concat();
+            round_trip::<Sample<1, 1>>(&bytes);
+            round_trip::<Sample<1, 3>>(&bytes);
+            round_trip::<Sample<3, 1>>(&bytes);
+            round_trip::<Sample<4, 5>>(&bytes);
+        }
         round_trip::<Outcome<1, 1>>(&bytes);
         round_trip::<Outcome<1, 3>>(&bytes);
         round_trip::<Outcome<3, 1>>(&bytes);

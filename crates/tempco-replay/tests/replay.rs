@@ -18,7 +18,7 @@ fn table(tau_s: f32) -> Table<'static, 2> {
 
 fn sample(dt_s: f32, temps_c: [f32; 2]) -> Sample<2, 2> {
     Sample {
-        dt_s,
+        update_s: Some(dt_s),
         temps_c,
         raw: [[1.0, 2.0], [3.0, 4.0]],
     }
@@ -31,13 +31,14 @@ fn each_channel_is_a_compensator_of_its_own_started_once() {
     let mut units = [Compensator::new(&tables[0]), Compensator::new(&tables[1])];
     for i in 0..200_u8 {
         let temps_c = [20.0 + f32::from(i) * 0.01, 40.0 - f32::from(i) * 0.02];
-        let sample = sample(if i == 100 { 7.0 } else { 1.0 }, temps_c);
+        let dt_s = if i == 100 { 7.0 } else { 1.0 };
+        let sample = sample(dt_s, temps_c);
         let outcome = replay.step(&sample);
         for channel in 0..2 {
             if i == 0 {
                 units[channel].start(temps_c[channel]);
             }
-            let interval = Interval::new(tables[channel].thermal(), sample.dt_s);
+            let interval = Interval::new(tables[channel].thermal(), dt_s);
             let expected = units[channel].step(&interval, temps_c[channel], sample.raw[channel]);
             let got = outcome.channels[channel];
             assert_eq!(got.effective_c, expected.point.effective_c);
@@ -52,6 +53,57 @@ fn each_channel_is_a_compensator_of_its_own_started_once() {
             .map(|c| c.flags().contains(Status::INTERVAL_INVALID));
         assert_eq!(long, [false, i == 100]);
     }
+}
+
+/// Five rows to an update, as of a log of 50 Hz.
+#[test]
+fn rows_between_updates_keep_the_last_one_and_have_flags_of_their_own() {
+    let tables = [table(60.0), table(10.0)];
+    let mut thinned = Replay::new(&tables);
+    let mut updates = Replay::new(&tables);
+    let mut last = None;
+    for row in 0..500_u16 {
+        // A first row is an update whatever it says.
+        let is_update = row % 5 == 0;
+        let temps_c = [20.0 + f32::from(row) * 0.01, f32::from(row)];
+        let mut now = sample(0.1, temps_c);
+        now.raw[0][1] = if row == 7 { f32::NAN } else { f32::from(row) };
+        now.update_s = now.update_s.filter(|_| is_update && row > 0);
+        let found = thinned.step(&now);
+        if is_update {
+            let dt_s = if row == 0 { 0.0 } else { 0.1 };
+            let expected = updates.step(&Sample {
+                update_s: Some(dt_s),
+                ..now
+            });
+            assert_eq!(found, expected, "{row}");
+            last = Some(expected);
+            continue;
+        }
+        for (channel, (found, last)) in found
+            .channels
+            .iter()
+            .zip(last.unwrap().channels)
+            .enumerate()
+        {
+            assert_eq!(
+                (found.effective_c, found.bias),
+                (last.effective_c, last.bias)
+            );
+            assert_eq!(found.rate_c_per_min, last.rate_c_per_min);
+            let is_bad = row == 7 && channel == 0;
+            let raw = if is_bad {
+                Status::RAW_INVALID
+            } else {
+                Status::OK
+            };
+            assert_eq!(found.flags(), last.flags() | raw, "{row}");
+            assert_eq!(found.compensated[0], now.raw[channel][0] - last.bias[0]);
+        }
+    }
+    let (thinned, updates) = (thinned.summary(), updates.summary());
+    assert_eq!((thinned.samples, updates.samples), (500, 100));
+    assert_eq!(thinned.rejected, updates.rejected);
 }
 
 #[test]

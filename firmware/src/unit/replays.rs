@@ -42,7 +42,7 @@ where
         };
         let replay = self.replay.get_or_insert_with(|| Replay::new(tables));
         let outcome = replay.step(&ReplayedSample {
-            dt_s: sample.dt_s,
+            update_s: sample.update_s,
             temps_c,
             raw,
         });

@@ -49,8 +49,8 @@ impl Comparison {
     }
 }
 
-/// Replays any log row by row, each with its own time step, through what the unit's main loop runs
-/// in place of its compensator; `done` gets the number of samples so far.
+/// Replays any log row by row, with thermal updates where the samples say so, through what the unit's
+/// main loop runs in place of its compensator; `done` gets the number of samples so far.
 ///
 /// All that the unit answers of a sample is compared: lag-compensated temperature, rate, status, bias
 /// and compensated sample.
@@ -67,7 +67,7 @@ pub fn by_row<const C: usize, const A: usize>(
     observed(unit, |unit, comparison| {
         for sample in samples {
             let request = Request::Sample(Sample {
-                dt_s: sample.dt_s,
+                update_s: sample.update_s,
                 temps_c: sample.temps_c.into_iter().collect(),
                 raw: sample.raw.into_iter().flatten().collect(),
             });
@@ -84,7 +84,7 @@ pub fn by_row<const C: usize, const A: usize>(
 }
 
 /// Replays a log of the unit's own sample rate through its sampling interrupt, in blocks, either
-/// as fast as it goes or in real time; the time steps of the samples are not looked at, and their
+/// as fast as it goes or in real time; which samples are thermal updates is not looked at, and the
 /// temperatures come from the rows at which they are due. `done` gets the number of samples so
 /// far.
 ///

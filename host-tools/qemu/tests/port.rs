@@ -56,7 +56,7 @@ fn the_smallest_board_runs_the_application() {
     assert_eq!(identity.table_crc, example::CRC);
     let samples = |count: u16| {
         (0..count).map(|number| Sample {
-            dt_s: 1.0,
+            update_s: Some(1.0),
             temps_c: [20.0 + 0.02 * f32::from(number)],
             raw: [[f32::from(number), -0.5, f32::NAN]],
         })

@@ -90,7 +90,7 @@ mod image {
         let mut replay = Replay::new(black_box(&TABLES));
         for _ in 0..ROUNDS {
             let sample = Sample::<CHANNELS, AXES> {
-                dt_s: 0.1,
+                update_s: black_box(Some(0.1)),
                 temps_c: [25.0; CHANNELS],
                 raw: [[0.5; AXES]; CHANNELS],
             };
@@ -135,7 +135,7 @@ mod image {
     }
 
     #[inline(never)]
-    fn records() -> Result<f32, RecordError> {
+    fn records() -> Result<Option<f32>, RecordError> {
         type S = Sample<CHANNELS, AXES>;
         let bytes = black_box([0_u8; 256]);
         let bytes = bytes.get(..black_box(100)).unwrap_or_default();
@@ -147,6 +147,6 @@ mod image {
         let mut encoded = [0; S::LEN];
         sample.encode(encoded.get_mut(..black_box(1)).unwrap_or_default())?;
         black_box(encoded);
-        Ok(sample.dt_s)
+        Ok(sample.update_s)
     }
 }

@@ -31,7 +31,7 @@ pub fn links() -> Result<(), LinkError> {
         Request::Identify,
         Request::Telemetry { period_ms: 1000 },
         Request::Sample(Sample {
-            dt_s: 0.1,
+            update_s: Some(0.1),
             temps_c: all(25.0),
             raw: all(0.5),
         }),

@@ -15,7 +15,7 @@ use std::str::FromStr;
 use anyhow::{Error, Result};
 use tempco_log::Log;
 use tempco_replay::Sample;
-use tempco_set::run::{ChannelInputs, inputs};
+use tempco_set::run::{ChannelInputs, Updates, inputs};
 use tempco_set::{CoefficientSet, table_bin};
 
 use self::emulator::EmulatorArgs;
@@ -130,14 +130,19 @@ struct Differences {
 }
 
 impl Replay<'_> {
-    /// The rows of the log as the firmware takes them.
+    /// The rows of the log as the firmware takes them, with thermal updates where `apply` has them.
     fn samples<const C: usize, const A: usize>(&self) -> impl Iterator<Item = Sample<C, A>> {
-        let inputs = self.inputs;
-        let intervals_s = self.log.intervals_s().enumerate();
-        intervals_s.map(move |(row, dt_s)| Sample {
-            dt_s,
-            temps_c: std::array::from_fn(|channel| inputs[channel].temp_c[row]),
-            raw: std::array::from_fn(|channel| inputs[channel].row(row)),
-        })
+        let (inputs, log) = (self.inputs, self.log);
+        let first_s = log.time_s.first().copied().unwrap_or(0.0);
+        let period_s = self.set.thermal_period_s(log.interval_s);
+        let mut updates = Updates::new(first_s, log.interval_s, period_s);
+        log.time_s
+            .iter()
+            .enumerate()
+            .map(move |(row, &time_s)| Sample {
+                update_s: updates.due(time_s),
+                temps_c: std::array::from_fn(|channel| inputs[channel].temp_c[row]),
+                raw: std::array::from_fn(|channel| inputs[channel].row(row)),
+            })
     }
 }

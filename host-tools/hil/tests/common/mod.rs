@@ -37,6 +37,8 @@ pub(crate) struct Flash {
     pub(crate) boots: u32,
     /// Requests that were carried out.
     pub(crate) done: usize,
+    /// Replayed rows that were thermal updates.
+    pub(crate) updates: usize,
     /// Chunks after which the unit is reset without an answer.
     pub(crate) reset_after: Option<usize>,
     /// Is reset before it can answer that it will be.
@@ -209,7 +211,10 @@ impl Handler for Running {
                 (self.replayed, self.spoil) = (0, flash.spoil);
                 Response::Done
             }
-            Request::Sample(sample) => self.sample(&sample),
+            Request::Sample(sample) => {
+                flash.updates += usize::from(sample.update_s.is_some());
+                self.sample(&sample)
+            }
             Request::Block(block) => self.block(&block),
             Request::Faults { from_code } => Response::Faults(
                 (from_code..11)
@@ -229,7 +234,7 @@ impl Handler for Running {
 impl Running {
     fn sample(&mut self, sample: &Sample) -> Response<'_> {
         let made = self.replay.step(&tempco_replay::Sample {
-            dt_s: sample.dt_s,
+            update_s: sample.update_s,
             temps_c: sample.temps_c[..].try_into().unwrap(),
             raw: [sample.raw[..].try_into().unwrap()],
         });
