@@ -33,7 +33,7 @@ pub enum Fault {
     TemperatureRejected,
     /// No temperature was accepted for so long that only the constant bias is taken out.
     TemperatureLost,
-    /// Temperature or rate lie outside the calibrated range.
+    /// Temperature, rate or second lag lie outside the calibrated range.
     OutOfRange,
     /// A gyro sample is not a number.
     RawInvalid,

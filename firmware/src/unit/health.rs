@@ -20,12 +20,13 @@ const LATCHED: [Fault; 7] = [
 ];
 
 /// Flags of the compensator, with the faults that they are.
-const OF_STATUS: [(Status, Fault); 7] = [
+const OF_STATUS: [(Status, Fault); 8] = [
     (Status::TEMPERATURE_INVALID, Fault::TemperatureRejected),
     (Status::TEMPERATURE_SPIKE, Fault::TemperatureRejected),
     (Status::TEMPERATURE_LOST, Fault::TemperatureLost),
     (Status::TEMPERATURE_CLAMPED, Fault::OutOfRange),
     (Status::RATE_CLAMPED, Fault::OutOfRange),
+    (Status::LAG_CLAMPED, Fault::OutOfRange),
     (Status::INTERVAL_INVALID, Fault::Starved),
     (Status::RAW_INVALID, Fault::RawInvalid),
 ];
@@ -142,6 +143,18 @@ mod tests {
         assert_eq!(live_ness.look(900, 9), None);
         assert_eq!(live_ness.look(1000, 5), Some(false));
         assert_eq!(live_ness.look(1500, 6), Some(true));
+    }
+
+    /// Every flag is a fault but those that follow from one that was, or from power-on.
+    #[test]
+    fn what_is_beyond_its_range_is_out_of_range() {
+        let none = Status::SETTLING | Status::HISTORY_UNKNOWN | Status::TEMPERATURE_JUMPED;
+        for (flag, name) in Status::NAMES {
+            let faults = faults_of(flag);
+            assert_eq!(faults == FaultSet::NONE, none.contains(flag), "{name}");
+            let is_clamped = name.ends_with("clamped");
+            assert_eq!(faults == Fault::OutOfRange.into(), is_clamped, "{name}");
+        }
     }
 
     #[test]
