@@ -35,7 +35,8 @@ pub struct Channel<'a> {
 impl<'a> Channel<'a> {
     /// Number of axes.
     pub fn axis_count(&self) -> usize {
-        self.axes.iter().map_while(Option::as_ref).count()
+        let end = self.axes.iter().position(Option::is_none);
+        end.unwrap_or(MAX_AXES)
     }
 
     /// The core's table of this channel, number `channel`, with the cells borrowed.
@@ -111,11 +112,8 @@ impl<'a> Channel<'a> {
         let s = &self.thermal;
         let rate_c_per_min = s.rate_min_c_per_min.abs().max(s.rate_max_c_per_min.abs());
         let lag2_c = s.lag2_min_c.abs().max(s.lag2_max_c.abs());
-        let cells = self
-            .cells
-            .iter()
-            .skip(axis)
-            .step_by(self.axis_count().max(1));
+        let cells = self.cells.chunks(self.axis_count().max(1));
+        let cells = cells.filter_map(|axes| axes.get(axis));
         let bounds = cells.map(|terms| magnitude(terms, rate_c_per_min, lag2_c));
         let gains = self.axes.get(axis).copied().flatten();
         let gains = gains.map_or([0.0; PLAYS], |record| record.play_gains);

@@ -54,11 +54,15 @@ impl Image<'_> {
         if fits.len() != self.channels().saturating_mul(self.axes()) {
             return Err(ImageError::Shape);
         }
-        let mut fits = fits.iter().enumerate();
+        // The number of the axis, channel by channel.
+        let mut axis: usize = 0;
         for channel in 0..self.channels() {
             let channel = self.channel(channel)?;
-            let records = channel.axes.iter().flatten().enumerate();
-            for ((number, record), (axis, fit)) in records.zip(fits.by_ref()) {
+            for number in 0..self.axes() {
+                let record = channel.axes.get(number).copied().flatten();
+                let (Some(record), Some(fit)) = (record, fits.get(axis)) else {
+                    return Err(ImageError::Shape);
+                };
                 let misfit = |why| ImageError::Unfit { axis, why };
                 let is_scaled = match record.unit {
                     unit if unit != fit.unit => return Err(misfit(Misfit::Unit)),
@@ -77,6 +81,7 @@ impl Image<'_> {
                 if !(0.0..=fit.max_bias).contains(&channel.max_bias(number)) {
                     return Err(misfit(Misfit::Bias));
                 }
+                axis = axis.saturating_add(1);
             }
         }
         Ok(())

@@ -76,7 +76,8 @@ fn check(info: &Info, channels: &[Channel], axes: usize) -> Result<(), ImageErro
     }
     for channel in channels {
         // No axis behind a gap either.
-        if channel.axis_count() != axes || channel.axes.iter().flatten().count() != axes {
+        let rest = channel.axes.get(axes..).unwrap_or_default();
+        if channel.axis_count() != axes || rest.iter().any(Option::is_some) {
             return Err(ImageError::Shape);
         }
         let cells = channel.cells.chunks_exact(axes);
