@@ -56,7 +56,7 @@ impl Interval {
     /// The interval of `dt_s` \[s\] for the given thermal settings.
     ///
     /// Zero, negative and NaN count as no time at all, and the temperature that comes with them is
-    /// not used. They and intervals beyond [`Thermal::longest_interval_s`] set
+    /// not accepted; once the temperature is lost, the next one may confirm it. They and intervals beyond [`Thermal::longest_interval_s`] set
     /// [`Status::INTERVAL_INVALID`].
     pub const fn new(thermal: &Thermal, dt_s: f32) -> Self {
         let forward = dt_s > 0.0;

@@ -53,7 +53,7 @@ impl Status {
     /// where the rate says they are have been put there.
     pub const SETTLING: Self = Self(1 << 3);
     /// The interval since the last thermal update was not positive (the temperature is then not
-    /// used), or longer than half the estimator's time constant (the estimator then restarts), or
+    /// accepted), or longer than half the estimator's time constant (the estimator then restarts), or
     /// the next update is overdue by more than an update period.
     pub const INTERVAL_INVALID: Self = Self(1 << 4);
     /// The lag-compensated temperature lies outside the calibrated range and was clamped to it.

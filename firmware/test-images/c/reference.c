@@ -236,7 +236,7 @@ static struct conditioned condition(struct unit *u, const struct interval *dt, f
     } else if (!dt->has_passed) {
         reject(u);
         u->age = age;
-        /* As the core has it, not the document: once lost, it is what the next one may confirm. */
+        /* Once the temperature is lost, the next one may confirm it. */
         if (c.is_lost) {
             c.is_shift = true;
             c.change_c = temp_c - u->temp_c;
