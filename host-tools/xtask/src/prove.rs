@@ -15,7 +15,7 @@ pub(crate) struct Args {
     /// Also pass all 2^32 temperatures through the table, against f64
     #[arg(long)]
     exhaustive: bool,
-    /// Only this function: place, bias, interval, update, play or slow_part
+    /// Only this function: place, bias, interval, update, play or second_lag
     #[arg(long)]
     only: Option<String>,
     /// Time limit of a query \[s\]

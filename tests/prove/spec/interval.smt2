@@ -62,8 +62,23 @@
     (= |interval'.rate_gain_per_min|
        (fp.mul RNE (fp.mul RNE |thermal.per_tau_hz| ((_ to_fp 8 24) RNE 60.0)) share)))))))
 
+;@ claim second_factor abstract: the share of the second lag follows its documented series, and is 1 beyond half its time constant
+(let ((x (fp.mul RNE real_s |thermal.per_tau2_hz|)))
+(let ((half (fp.mul RNE x ((_ to_fp 8 24) RNE 0.5)))
+      (third (fp.mul RNE x (fp.div RNE one ((_ to_fp 8 24) RNE 3.0)))))
+  (= |interval'.alpha2|
+    (ite (fp.gt x ((_ to_fp 8 24) RNE 0.5)) one
+      (fp.mul RNE x (fp.sub RNE one (fp.mul RNE half (fp.sub RNE one third))))))))
+
+;@ claim fade: the weight may move by the time, in parts of 60 s; never negative
+(and
+  (bvsle (_ bv0 32) |interval'.fade|)
+  (= ((_ to_fp 8 24) |interval'.fade|)
+     (fp.mul RNE real_s (fp.div RNE one ((_ to_fp 8 24) RNE 60.0)))))
+
 ;@ claim slew: from 0 to a finite number, and not below 2e-5 degC if time has passed
-(and (within ((_ to_fp 8 24) |interval'.slew|) zero ((_ to_fp 8 24) RNE 500001.0))
+(and (bvsle (_ bv0 32) |interval'.slew|)
+     (within ((_ to_fp 8 24) |interval'.slew|) zero ((_ to_fp 8 24) RNE 500001.0))
      (=> forward (fp.geq ((_ to_fp 8 24) |interval'.slew|) ((_ to_fp 8 24) RNE 0.00002))))
 
 ;@ claim alpha: within 0 to 1

@@ -49,6 +49,9 @@ pub(crate) fn objects(ir: &str) -> Result<Vec<Object>> {
         object("lag", lag, true),
         single("effective_c", FieldType::Float),
         single("rate_c_per_min", FieldType::Float),
+        single("lag2_c", FieldType::Float),
+        single("play1_c", FieldType::Float),
+        single("play2_c", FieldType::Float),
         single("z", FieldType::Float),
         single("cell", FieldType::Int(32)),
         single("status", FieldType::Int(16)),
@@ -97,18 +100,26 @@ fn fields<T: Copy + Debug>() -> Result<Vec<Field>> {
     Ok(found)
 }
 
-/// The names of the numbers in a `{:#?}` output, with those they lie in, and their values.
+/// The names of the numbers in a `{:#?}` output, with those they lie in, and their values; the
+/// name of an array's element is its number.
 fn leaves(text: &str) -> Vec<(String, String)> {
-    let mut names: Vec<&str> = Vec::new();
+    // Of each that is open the name, and in an array the number of the next element.
+    let mut open: Vec<(String, Option<usize>)> = Vec::new();
     let mut leaves = Vec::new();
     for line in text.lines().map(|line| line.trim().trim_end_matches(',')) {
+        if matches!(line, "}" | ")" | "]") {
+            open.pop();
+            continue;
+        }
         let (name, rest) = line.split_once(": ").unwrap_or(("", line));
+        let name = match open.last_mut() {
+            Some((_, Some(number))) => std::mem::replace(number, *number + 1).to_string(),
+            _ => name.to_owned(),
+        };
         if rest.ends_with(['{', '(', '[']) {
-            names.push(name);
-        } else if matches!(rest, "}" | ")" | "]") {
-            names.pop();
+            open.push((name, rest.ends_with('[').then_some(0)));
         } else if rest != "[]" {
-            let path = names.iter().copied().chain([name]);
+            let path = open.iter().map(|(name, _)| name.as_str()).chain([&*name]);
             let path: Vec<&str> = path.filter(|name| !name.is_empty()).collect();
             leaves.push((path.join("."), rest.to_owned()));
         }
@@ -223,6 +234,16 @@ mod tests {
         assert_eq!(find("alpha").ty, FieldType::Float);
         assert_eq!(find("near").ty, FieldType::Int(32));
         assert_eq!(find("status").ty, FieldType::Int(16));
+    }
+
+    #[test]
+    fn elements_of_arrays_are_numbered() {
+        let fields = fields::<ThermalState>().unwrap();
+        let contact = |number: usize| {
+            let name = format!("plays.plays.{number}.contact_c");
+            fields.iter().find(|field| field.name == name).unwrap()
+        };
+        assert_eq!(contact(0).offset + 4, contact(1).offset);
     }
 
     #[test]

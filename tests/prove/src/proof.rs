@@ -65,11 +65,10 @@ impl Problem {
         })
     }
 
-    fn preamble(&self) -> String {
-        let mut text = format!(
-            "{COMMON}\n{}\n{}\n{}\n",
-            self.code.inputs, self.code.body, self.spec.definitions
-        );
+    /// All before the claim, of the code and the definitions given.
+    fn preamble(&self, code: &str, definitions: &str) -> String {
+        let inputs = &self.code.inputs;
+        let mut text = format!("{COMMON}\n{inputs}\n{code}\n{definitions}\n");
         // Definitions may come between assumptions, so that all assumptions follow them.
         for assumption in &self.spec.assumptions {
             writeln!(text, "; {}\n(assert {})", assumption.name, assumption.term).ok();
@@ -79,7 +78,7 @@ impl Problem {
 
     /// Satisfiable if the preconditions are.
     pub fn possible(&self) -> String {
-        self.preamble()
+        self.preamble(&self.code.body, &self.spec.definitions)
     }
 
     /// Unsatisfiable if the claim holds.
@@ -87,7 +86,48 @@ impl Problem {
     /// # Errors
     /// It is to follow from a claim that is not among those before it.
     pub fn query(&self, claim: &Claim) -> Result<String> {
-        let mut text = self.preamble();
+        self.ended(self.possible(), claim)
+    }
+
+    /// The same of what is more general than the code, if the claim is proved that way.
+    /// Unsatisfiable only if the claim holds; satisfiable says nothing.
+    ///
+    /// Without the code its outputs may be anything. Any functions may stand in place of the three
+    /// operations that have exact counterparts in the specification.
+    ///
+    /// # Errors
+    /// As [`query`](Self::query), or a definition that is to be free is not found.
+    pub fn general_query(&self, claim: &Claim) -> Result<Option<String>> {
+        if !claim.abstracted && !claim.alone {
+            return Ok(None);
+        }
+        let mut text = if claim.alone {
+            let mut definitions = self.spec.definitions.clone();
+            for name in &claim.free {
+                definitions = freed(&definitions, name)
+                    .with_context(|| format!("{}: no definition {name}", claim.name))?;
+            }
+            self.preamble(&self.code.outputs, &definitions)
+        } else {
+            self.possible()
+        };
+        text = self.ended(text, claim)?;
+        if claim.abstracted {
+            text = text.replace("QF_BVFP", "QF_UFBVFP");
+            let mut functions = String::new();
+            for op in ["add", "sub", "mul"] {
+                text = text.replace(&format!("(fp.{op} RNE"), &format!("(any_{op}"));
+                writeln!(functions, "(declare-fun any_{op} (F32 F32) F32)").ok();
+            }
+            // After the line that defines F32.
+            let sort = "(define-sort F32 () (_ FloatingPoint 8 24))\n";
+            text = text.replace(sort, &format!("{sort}{functions}"));
+        }
+        Ok(Some(text))
+    }
+
+    /// With the claims that this one follows from, and its negation.
+    fn ended(&self, mut text: String, claim: &Claim) -> Result<String> {
         for name in &claim.by {
             let earlier = self.spec.claims.iter().take_while(|other| *other != claim);
             let given = earlier.into_iter().find(|other| other.name == *name);
@@ -96,23 +136,6 @@ impl Problem {
         }
         writeln!(text, "(assert (not {}))", claim.term).ok();
         Ok(text)
-    }
-
-    /// The same for any functions in place of the three operations that have exact counterparts
-    /// in the specification. Unsatisfiable only if the claim holds; satisfiable says nothing.
-    ///
-    /// # Errors
-    /// As [`query`](Self::query).
-    pub fn abstract_query(&self, claim: &Claim) -> Result<String> {
-        let mut text = self.query(claim)?.replace("QF_BVFP", "QF_UFBVFP");
-        let mut functions = String::new();
-        for op in ["add", "sub", "mul"] {
-            text = text.replace(&format!("(fp.{op} RNE "), &format!("(any_{op} "));
-            writeln!(functions, "(declare-fun any_{op} (F32 F32) F32)").ok();
-        }
-        // After the line that defines F32.
-        let sort = "(define-sort F32 () (_ FloatingPoint 8 24))\n";
-        Ok(text.replace(sort, &format!("{sort}{functions}")))
     }
 
     /// Everything that the code's flags demand, as one claim.
@@ -135,5 +158,32 @@ impl Problem {
         let mut claims = vec![self.defined()];
         claims.extend(self.spec.claims.iter().cloned());
         claims
+    }
+}
+
+/// The definitions with a constant of any value in place of the one of this name.
+fn freed(definitions: &str, name: &str) -> Option<String> {
+    let start = definitions.find(&format!("(define-fun {name} () "))?;
+    let (before, rest) = definitions.split_at(start);
+    let mut depth = 0;
+    let end = rest.find(|letter| {
+        depth += i32::from(letter == '(') - i32::from(letter == ')');
+        depth == 0
+    })?;
+    let (definition, after) = rest.split_at(end + 1);
+    let sort = definition.split_whitespace().nth(3)?;
+    Some(format!("{before}(declare-const {name} {sort}){after}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_definition_is_freed_and_no_other() {
+        let text = "(define-fun a () F32 (f b))\n(define-fun b () Bool\n  (or c\n  d))\n(e)";
+        let expected = "(define-fun a () F32 (f b))\n(declare-const b Bool)\n(e)";
+        assert_eq!(freed(text, "b").as_deref(), Some(expected));
+        assert_eq!(freed(text, "e"), None);
     }
 }

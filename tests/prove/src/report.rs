@@ -11,7 +11,7 @@ use crate::ir::Function;
 use crate::mutant::mutants;
 use crate::proof::{Code, Problem};
 use crate::smt::{Answer, Solver, Verdict};
-use crate::spec::Spec;
+use crate::spec::{Claim, Spec};
 
 const SPECS: [(&str, &str); 6] = [
     ("place", include_str!("../spec/place.smt2")),
@@ -141,17 +141,7 @@ impl Run<'_> {
         let mut known = HashMap::new();
         for claim in problem.claims() {
             let limit_s = self.effort.limit_s * if claim.slow { SLOW } else { 1.0 };
-            let mut answers = None;
-            if claim.abstracted {
-                let query = problem.abstract_query(&claim)?;
-                let general = self.ask(&claim.name, &query, limit_s)?;
-                let unsatisfiable = |answer: &Answer| answer.verdict == Verdict::Unsatisfiable;
-                answers = general.iter().all(unsatisfiable).then_some(general);
-            }
-            let answers = match answers {
-                Some(answers) => answers,
-                None => self.ask(&claim.name, &problem.query(&claim)?, limit_s)?,
-            };
+            let answers = self.answers(problem, &claim, limit_s)?;
             let refuted = answers
                 .iter()
                 .find(|answer| answer.verdict == Verdict::Satisfiable);
@@ -180,6 +170,18 @@ impl Run<'_> {
             self.show(mark, &claim.name, &answers, &claim.text);
         }
         Ok(())
+    }
+
+    /// A more general query that is satisfiable says nothing: then the plain one is asked.
+    fn answers(&self, problem: &Problem, claim: &Claim, limit_s: f64) -> Result<[Answer; 2]> {
+        if let Some(query) = problem.general_query(claim)? {
+            let general = self.ask(&claim.name, &query, limit_s)?;
+            let is_refuted = |answer: &Answer| answer.verdict == Verdict::Satisfiable;
+            if !general.iter().any(is_refuted) {
+                return Ok(general);
+            }
+        }
+        self.ask(&claim.name, &problem.query(claim)?, limit_s)
     }
 
     /// Tries all seeded bugs, two at a time.
@@ -224,11 +226,15 @@ impl Run<'_> {
         let file = self.folder.join(format!("mutant{worker}.smt2"));
         let limit_s = self.effort.limit_s.min(MUTANT_LIMIT_S);
         let mut undecided = Vec::new();
-        for claim in problem.claims().into_iter().filter(|claim| !claim.slow) {
+        // What follows without the code follows of a seeded bug as well.
+        let tried = |claim: &Claim| !claim.slow && !claim.alone;
+        for claim in problem.claims().into_iter().filter(tried) {
             fs::write(&file, problem.query(&claim)?)?;
             let mut answer = self.solvers[0].check(&file, limit_s)?;
-            if answer.verdict == Verdict::Unknown && claim.abstracted {
-                fs::write(&file, problem.abstract_query(&claim)?)?;
+            if answer.verdict == Verdict::Unknown
+                && let Some(query) = problem.general_query(&claim)?
+            {
+                fs::write(&file, query)?;
                 let general = self.solvers[0].check(&file, limit_s)?;
                 if general.verdict == Verdict::Unsatisfiable {
                     answer = general;

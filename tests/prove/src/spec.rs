@@ -10,7 +10,9 @@
 //! Words after the name of a claim say how it is proved: `slow` in more time; `by a,b` with the
 //! claims a and b, proved before it, taken for granted; `abstract` for any functions in place of
 //! addition, subtraction and multiplication, which spares the solver the rounding where code and
-//! specification name the same operations.
+//! specification name the same operations; `alone` without the code, from assumptions and earlier
+//! claims, for any outputs; `free a,b` like `alone`, for any values in place of the definitions a
+//! and b.
 
 use anyhow::{Context, Result, bail};
 
@@ -27,6 +29,10 @@ pub struct Claim {
     pub slow: bool,
     /// It holds whatever arithmetic does.
     pub abstracted: bool,
+    /// It follows without the code.
+    pub alone: bool,
+    /// Names of definitions that may have any value.
+    pub free: Vec<String>,
     /// Names of the claims it follows from.
     pub by: Vec<String>,
 }
@@ -83,13 +89,19 @@ impl Claim {
             ..Self::default()
         };
         while let Some(word) = words.next() {
+            let mut names = || -> Result<Vec<String>> {
+                let names = words.next().context("names are missing")?;
+                Ok(names.split(',').map(str::to_owned).collect())
+            };
             match word {
                 "slow" => claim.slow = true,
                 "abstract" => claim.abstracted = true,
-                "by" => {
-                    let names = words.next().context("names after `by`")?;
-                    claim.by = names.split(',').map(str::to_owned).collect();
+                "alone" => claim.alone = true,
+                "free" => {
+                    claim.alone = true;
+                    claim.free = names()?;
                 }
+                "by" => claim.by = names()?,
                 _ => bail!("`{word}` after the name {}", claim.name),
             }
         }
@@ -118,6 +130,9 @@ mod tests {
         );
         assert!(claim.slow && claim.abstracted && claim.term == "(c\n  d)");
         assert_eq!(claim.by, ["a", "b"]);
+        assert!(!claim.alone);
+        let spec = Spec::parse("\n;@ claim c free d: one\n(c)\n").unwrap();
+        assert!(spec.claims[0].alone && spec.claims[0].free == ["d"]);
         assert!(Spec::parse("\n;@ claim x soon: y\n").is_err());
         assert!(Spec::parse("\n;@ prove x: y\n").is_err());
     }

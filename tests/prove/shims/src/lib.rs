@@ -7,6 +7,7 @@
 use tempco::{Interval, Play, SecondLag, Table, Terms, Thermal, ThermalSettings, ThermalState};
 
 /// One update of the thermal path.
+#[allow(clippy::too_many_arguments, reason = "each output has a name")]
 #[unsafe(no_mangle)]
 pub fn prove_update(
     state: &mut ThermalState,
@@ -15,11 +16,16 @@ pub fn prove_update(
     temp_c: f32,
     effective_c: &mut f32,
     rate_c_per_min: &mut f32,
+    lag2_c: &mut f32,
+    play1_c: &mut f32,
+    play2_c: &mut f32,
     status: &mut u16,
 ) {
     let point = state.update(thermal, interval, temp_c);
     *effective_c = point.effective_c;
     *rate_c_per_min = point.rate_c_per_min;
+    *lag2_c = point.lag2_c;
+    [*play1_c, *play2_c] = point.plays_c;
     *status = point.status.bits();
 }
 

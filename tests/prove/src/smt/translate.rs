@@ -20,6 +20,8 @@ pub struct Translation {
     pub inputs: String,
     /// Definitions of every value, and of the outputs: `result`, `state'.age` and so on.
     pub body: String,
+    /// Declarations of the outputs, for queries without the code.
+    pub outputs: String,
     /// What must hold lest the behaviour be undefined: the line of code, and the term.
     pub demands: Vec<(String, String)>,
 }
@@ -161,6 +163,10 @@ impl State {
         self.here = match self.edges.get(&block.label) {
             None => "true".to_owned(),
             Some(edges) if edges.len() == 1 => edges[0].1.clone(),
+            // Where both ways of a choice meet again.
+            Some(edges) if edges.len() == 2 && edges[1].1 == format!("(not {})", edges[0].1) => {
+                "true".to_owned()
+            }
             Some(edges) => {
                 let terms: Vec<&str> = edges.iter().map(|(_, term)| term.as_str()).collect();
                 format!("(or {})", terms.join(" "))
@@ -378,6 +384,7 @@ impl State {
     fn output(&mut self, name: &str, value: &Value) {
         if let (Some(sort), Some(term)) = (value.sort(), value.term()) {
             writeln!(self.out.body, "(define-fun |{name}| () {sort} {term})").ok();
+            writeln!(self.out.outputs, "(declare-const |{name}| {sort})").ok();
         }
     }
 }
