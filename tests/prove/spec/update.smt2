@@ -314,8 +314,8 @@
      (bvsle (_ bv0 32) |state'.conditioner.age|)
      (bvsle (_ bv0 32) |state'.plays.since_loss|))
 
-;@ claim temperature alone: one in range is within the bound
-(=> in_range (around |temp_c| temp_bound))
+;@ claim temperature alone: one in range is within the bound, and so is its way from the anchor
+(=> in_range (and (around |temp_c| temp_bound) (around off_c ((_ to_fp 8 24) RNE 4096.0))))
 
 ;@ claim kept_anchor free plausible,reach_c by temperature,reach,anchor: the invariant of the anchor is kept
 (around |state'.conditioner.anchor_c| temp_bound)
@@ -489,19 +489,20 @@
 ;@ claim output_play2 abstract: so is that of the second one
 (same |play2_c'.value| (fp.mul RNE |state'.weight| behind2_c))
 
-;@ claim rate_given free rate by output_rate,rate_range,kept_weight: the rate given is in its range
-(within |rate_c_per_min'.value| |thermal.settings.rate_min_c_per_min| |thermal.settings.rate_max_c_per_min|)
+;@ claim rate_given free rate by output_rate,rate_range,kept_weight: the rate given is between 0 and the one in range
+(ite (fp.geq rate zero) (within |rate_c_per_min'.value| zero rate)
+  (within |rate_c_per_min'.value| rate zero))
 
-;@ claim lag_given free lag2 by output_lag,lag2_range,kept_weight: the second lag given is in its range
-(within |lag2_c'.value| |thermal.settings.lag2_min_c| |thermal.settings.lag2_max_c|)
+;@ claim lag_given free lag2 by output_lag,lag2_range,kept_weight: the second lag given is between 0 and the one in range
+(ite (fp.geq lag2 zero) (within |lag2_c'.value| zero lag2) (within |lag2_c'.value| lag2 zero))
 
-;@ claim behind1 alone by kept_play1,kept_drag: it is within the half width, but for a quarter of a degree of rounding far outside a sensor's range
-(around behind1_c (fp.add RNE width1_c ((_ to_fp 8 24) RNE 0.25)))
+;@ claim behind1 alone by kept_play1,kept_drag: it is no more than the largest half width, rounded up
+(around behind1_c ((_ to_fp 8 24) RNE 1024.0))
 
 ;@ claim behind2 alone by kept_play2,kept_drag: so is that of the second one
-(around behind2_c (fp.add RNE width2_c ((_ to_fp 8 24) RNE 0.25)))
+(around behind2_c ((_ to_fp 8 24) RNE 1024.0))
 
-;@ claim play1_given free behind1_c by output_play1,behind1,kept_weight: with the weight it is no more than the largest half width, rounded up
+;@ claim play1_given free behind1_c by output_play1,behind1,kept_weight: and no more with the weight
 (around |play1_c'.value| ((_ to_fp 8 24) RNE 1024.0))
 
 ;@ claim play2_given free behind2_c by output_play2,behind2,kept_weight: so is that of the second one
@@ -512,7 +513,7 @@
   (and (fp.isZero |rate_c_per_min'.value|) (fp.isZero |lag2_c'.value|)
        (fp.isZero |play1_c'.value|) (fp.isZero |play2_c'.value|)))
 
-;@ claim per_time free reach_c,off_c by reach,far: once the part can have moved, no more than the spike gate is left of the way of an accepted temperature from the anchor, but for a millidegree of rounding
+;@ claim per_time free reach_c,off_c by reach,far,temperature: once the part can have moved, no more than the spike gate is left of the way of an accepted temperature from the anchor, but for a millidegree of rounding
 (=> (and accepted (not was_lost))
   (fp.leq (fp.abs (fp.sub RNE off_c (limited off_c anchor_slew_c)))
           (fp.add RNE |thermal.settings.spike_gate_c| c_milli)))
