@@ -513,10 +513,9 @@
   (and (fp.isZero |rate_c_per_min'.value|) (fp.isZero |lag2_c'.value|)
        (fp.isZero |play1_c'.value|) (fp.isZero |play2_c'.value|)))
 
-;@ claim per_time free reach_c,off_c by reach,far,temperature: once the part can have moved, no more than the spike gate is left of the way of an accepted temperature from the anchor, but for a millidegree of rounding
-(=> (and accepted (not was_lost))
-  (fp.leq (fp.abs (fp.sub RNE off_c (limited off_c anchor_slew_c)))
-          (fp.add RNE |thermal.settings.spike_gate_c| c_milli)))
+;@ claim per_time alone by counters: what is not counted as rejected is, unless there was a loss, within the gate and what the part can have moved since the last accepted one, of that and of the anchor
+(=> (and (= |state'.conditioner.rejected| |state.conditioner.rejected|) (not was_lost))
+  (and in_range reachable (fp.leq (fp.abs change_c) far_c)))
 
 ;@ claim kept_filtered free filtered by filter_equation,kept,shifted: the invariant of the filtered temperature is kept
 (around |state'.estimator.filtered.value| filter_bound)

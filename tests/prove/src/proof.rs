@@ -76,8 +76,12 @@ impl Problem {
         text
     }
 
-    /// Satisfiable if the preconditions are.
+    /// Satisfiable if the preconditions are. They say nothing of the code, so it is left out.
     pub fn possible(&self) -> String {
+        self.preamble(&self.code.outputs, &self.spec.definitions)
+    }
+
+    fn with_code(&self) -> String {
         self.preamble(&self.code.body, &self.spec.definitions)
     }
 
@@ -86,7 +90,7 @@ impl Problem {
     /// # Errors
     /// It is to follow from a claim that is not among those before it.
     pub fn query(&self, claim: &Claim) -> Result<String> {
-        self.ended(self.possible(), claim)
+        self.ended(self.with_code(), claim)
     }
 
     /// The same of what is more general than the code, if the claim is proved that way.
@@ -109,7 +113,7 @@ impl Problem {
             }
             self.preamble(&self.code.outputs, &definitions)
         } else {
-            self.possible()
+            self.with_code()
         };
         text = self.ended(text, claim)?;
         if claim.abstracted {
