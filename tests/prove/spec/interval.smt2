@@ -84,7 +84,7 @@
 ;@ claim alpha: within 0 to 1
 (within |interval'.alpha| zero one)
 
-;@ claim alpha2: that of the second lag is within 0 to 1
+;@ claim alpha2: the share of the second lag is within 0 to 1
 (within |interval'.alpha2| zero one)
 
 ;@ claim gain: within 0 to 601 per minute

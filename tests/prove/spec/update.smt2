@@ -119,7 +119,7 @@
 ;@ assume gain: that of its gain
 (within |state.estimator.gain| one gain_most)
 
-;@ assume plays: that of the plays
+;@ assume plays: the one of the plays
 (plays_invariant |state.plays.drag_c| |state.plays.plays.0.contact_c|
   |state.plays.plays.1.contact_c| |state.plays.since_loss| |state.plays.low_c|
   |state.plays.high_c|)
@@ -422,13 +422,13 @@
 ;@ claim contact1 abstract by far,near,change,start_play: the contact of the first play is dragged along; at the start, and at the first temperature of all, it is put where the rate says, within the half width
 (same |state'.plays.plays.0.contact_c| (contact |state.plays.plays.0.contact_c| width1_c))
 
-;@ claim contact2 abstract by far,near,change,start_play: so is that of the second one
+;@ claim contact2 abstract by far,near,change,start_play: so is the second one's
 (same |state'.plays.plays.1.contact_c| (contact |state.plays.plays.1.contact_c| width2_c))
 
 ;@ claim kept_play1 free starts,first,start_c by kept_drag,contact1,start_play: its contact is no further than its half width, rounded
 (within |state'.plays.plays.0.contact_c| (least_c width1_c) (most_c width1_c))
 
-;@ claim kept_play2 free starts,first,start_c by kept_drag,contact2,start_play: so is that of the second one
+;@ claim kept_play2 free starts,first,start_c by kept_drag,contact2,start_play: so is the second one's
 (within |state'.plays.plays.1.contact_c| (least_c width2_c) (most_c width2_c))
 
 ;@ claim frozen abstract by far,near,change,second,drag,contact1,contact2: while lost, contacts, what drags them and what the second lag follows stand still
@@ -486,7 +486,7 @@
 ;@ claim output_play1 abstract: what the first play is behind is given times the weight
 (same |play1_c'.value| (fp.mul RNE |state'.weight| behind1_c))
 
-;@ claim output_play2 abstract: so is that of the second one
+;@ claim output_play2 abstract: so is the second one's
 (same |play2_c'.value| (fp.mul RNE |state'.weight| behind2_c))
 
 ;@ claim rate_given free rate by output_rate,rate_range,kept_weight: the rate given is between 0 and the one in range
@@ -499,13 +499,13 @@
 ;@ claim behind1 alone by kept_play1,kept_drag: it is no more than the largest half width, rounded up
 (around behind1_c ((_ to_fp 8 24) RNE 1024.0))
 
-;@ claim behind2 alone by kept_play2,kept_drag: so is that of the second one
+;@ claim behind2 alone by kept_play2,kept_drag: so is the second one's
 (around behind2_c ((_ to_fp 8 24) RNE 1024.0))
 
 ;@ claim play1_given free behind1_c by output_play1,behind1,kept_weight: and no more with the weight
 (around |play1_c'.value| ((_ to_fp 8 24) RNE 1024.0))
 
-;@ claim play2_given free behind2_c by output_play2,behind2,kept_weight: so is that of the second one
+;@ claim play2_given free behind2_c by output_play2,behind2,kept_weight: so is the second one's
 (around |play2_c'.value| ((_ to_fp 8 24) RNE 1024.0))
 
 ;@ claim constant free rate,lag2,behind1_c,behind2_c by output_rate,output_lag,output_play1,output_play2,rate_range,lag2_range,behind1,behind2: without weight the constant bias alone is left
