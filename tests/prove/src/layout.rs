@@ -9,6 +9,7 @@ use std::fmt::Debug;
 use std::mem::MaybeUninit;
 
 use anyhow::{Context, Result, bail, ensure};
+use tempco::{BiasRamp, PulseRamp, RampBuffer, Status};
 use tempco::{Interval, Play, SecondLag, Table, Terms, Thermal, ThermalSettings, ThermalState};
 
 use crate::smt::{Field, FieldType, Object};
@@ -39,7 +40,8 @@ pub(crate) fn objects(ir: &str) -> Result<Vec<Object>> {
         offset: 4 * number,
         ty: FieldType::Float,
     });
-    Ok(vec![
+    let mut objects = sample_half(ir)?;
+    objects.extend([
         object("state", state, true),
         object("interval", interval, true),
         object("thermal", thermal, true),
@@ -55,11 +57,81 @@ pub(crate) fn objects(ir: &str) -> Result<Vec<Object>> {
         single("z", FieldType::Float),
         single("cell", FieldType::Int(32)),
         single("status", FieldType::Int(16)),
+    ]);
+    Ok(objects)
+}
+
+/// Ramps, their buffer and correctors.
+fn sample_half(ir: &str) -> Result<Vec<Object>> {
+    let object = |name: &str, fields: Vec<Field>, readable| Object {
+        name: name.to_owned(),
+        fields,
+        readable,
+    };
+    // As many numbers, one after the other.
+    let numbers = |count: usize, ty: FieldType| -> Vec<Field> {
+        let field = |number: usize| Field {
+            name: number.to_string(),
+            offset: 4 * number,
+            ty,
+        };
+        (0..count).map(field).collect()
+    };
+    let ramp = BiasRamp {
+        end: [1.5, 2.5, 3.5],
+        slope: [4.5, 5.5, 6.5],
+        samples: 0x1234,
+        status: Status::from_bits(0x5678),
+    };
+    let fixed = PulseRamp {
+        end: [0x1122_3344, 0x2233_4455, 0x3344_5566],
+        slope: [0x4455_6677, 0x5566_7788, 0x6677_8899],
+        samples: 0x1234,
+        status: Status::from_bits(0x5678),
+    };
+    // Words of 0, but for the flag of the start; so it is the host's order that is taken.
+    let ramps = checked(&RampBuffer::<3>::new(), ir, "PROVE_RAMPS")?;
+    let pulse_ramps = checked(&RampBuffer::<3, i32>::new(), ir, "PROVE_PULSE_RAMPS")?;
+    ensure!(ramps == pulse_ramps, "buffers differ");
+    Ok(vec![
+        object("ramps", ramps, true),
+        object("ramp", checked(&ramp, ir, "PROVE_RAMP")?, true),
+        object("fixed", checked(&fixed, ir, "PROVE_PULSE_RAMP")?, false),
+        object("corrector", corrector(ir)?, true),
+        object("raw", numbers(3, FieldType::Float), true),
+        object("per_unit", numbers(3, FieldType::Float), true),
+        object("block", numbers(24, FieldType::Float), true),
+        object("pulses", numbers(3, FieldType::Int(32)), true),
+        object("bias", numbers(3, FieldType::Float), false),
+        object("out", numbers(3, FieldType::Float), false),
+        object("rest", numbers(3, FieldType::Int(32)), false),
     ])
 }
 
+/// The corrector of pulses: a pointer, and what it carries, half a pulse at the start.
+fn corrector(ir: &str) -> Result<Vec<Field>> {
+    let bytes = bytes_of_constant(ir, "PROVE_PULSES")?;
+    let carried = (1_u32 << 25).to_le_bytes();
+    let is_carried: Vec<bool> = bytes.chunks(4).map(|word| *word == carried).collect();
+    ensure!(
+        is_carried == [false, true, true, true],
+        "the corrector of pulses is laid out in another way"
+    );
+    let mut fields = vec![Field {
+        name: "ramps".to_owned(),
+        offset: 0,
+        ty: FieldType::Pointer("ramps"),
+    }];
+    fields.extend((0..3).map(|axis| Field {
+        name: format!("carried.{axis}"),
+        offset: 4 + 4 * axis,
+        ty: FieldType::Int(32),
+    }));
+    Ok(fields)
+}
+
 /// The fields of a type that holds nothing but numbers and truth values.
-fn fields<T: Copy + Debug>() -> Result<Vec<Field>> {
+fn fields<T: Debug>() -> Result<Vec<Field>> {
     let size = size_of::<T>();
     let show = |byte: Option<usize>| -> Vec<(String, String)> {
         let mut value = MaybeUninit::<T>::zeroed();
@@ -118,7 +190,7 @@ fn leaves(text: &str) -> Vec<(String, String)> {
         };
         if rest.ends_with(['{', '(', '[']) {
             open.push((name, rest.ends_with('[').then_some(0)));
-        } else if rest != "[]" {
+        } else if rest != "[]" && !rest.starts_with("PhantomData") {
             let path = open.iter().map(|(name, _)| name.as_str()).chain([&*name]);
             let path: Vec<&str> = path.filter(|name| !name.is_empty()).collect();
             leaves.push((path.join("."), rest.to_owned()));
@@ -128,10 +200,11 @@ fn leaves(text: &str) -> Vec<(String, String)> {
 }
 
 /// The fields, after a look whether the target holds the constant in the same places.
-fn checked<T: Copy + Debug>(value: &T, ir: &str, constant: &str) -> Result<Vec<Field>> {
+fn checked<T: Debug>(value: &T, ir: &str, constant: &str) -> Result<Vec<Field>> {
     let fields = fields::<T>()?;
     let target = bytes_of_constant(ir, constant)?;
-    // SAFETY: the bytes of fields, which alone are read below, are initialised.
+    // SAFETY: the bytes of fields, which alone are read below, are initialised, and nothing
+    // changes them meanwhile.
     let host = unsafe {
         std::slice::from_raw_parts(std::ptr::from_ref(value).cast::<u8>(), size_of::<T>())
     };
@@ -182,7 +255,8 @@ fn bytes_of_constant(ir: &str, name: &str) -> Result<Vec<u8>> {
     let start = format!("@{name} = ");
     let line = ir.lines().find(|line| line.starts_with(&start));
     let mut rest = line.with_context(|| format!("the code has no constant {name}"))?;
-    rest = rest.rsplit_once(" constant ").context("a constant")?.1;
+    let values = [" constant ", " global "].map(|kind| rest.rsplit_once(kind));
+    rest = values.into_iter().flatten().next().context("a constant")?.1;
     // In a packed structure the types come first.
     if let Some((_, values)) = rest.split_once("}> <{ ") {
         rest = values;

@@ -103,7 +103,7 @@ fn changes(op: &Op) -> Vec<(&'static str, Op)> {
                 .into_iter()
                 .collect()
         }
-        Op::Call(name, arguments) if name.contains(".sat.i") && arguments.len() == 2 => {
+        Op::Call(name, arguments, _) if name.contains(".sat.i") && arguments.len() == 2 => {
             let plain = if name.contains("add") { "add" } else { "sub" };
             let (ty, a) = arguments[0].clone();
             let b = arguments[1].1.clone();

@@ -22,6 +22,30 @@ const SPECS: [(&str, &str); 6] = [
     ("second_lag", include_str!("../spec/second_lag.smt2")),
 ];
 
+/// A specification of the sample half, with what all of them share: the buffer, and the lines in it.
+macro_rules! sample_half {
+    ($name:literal) => {
+        (
+            $name,
+            concat!(
+                include_str!("../spec/ramps.smt2"),
+                include_str!("../spec/lines.smt2"),
+                include_str!(concat!("../spec/", $name, ".smt2"))
+            ),
+        )
+    };
+}
+
+const SAMPLE_HALF: [(&str, &str); 7] = [
+    sample_half!("publish"),
+    sample_half!("take_over"),
+    sample_half!("advance"),
+    sample_half!("correct"),
+    sample_half!("correct_block"),
+    sample_half!("status"),
+    ("of_raw", include_str!("../spec/of_raw.smt2")),
+];
+
 /// Times the limit for claims that take long.
 const SLOW: f64 = 4.0;
 /// Time limit of a query about a seeded bug \[s\].
@@ -69,7 +93,11 @@ pub fn prove(
     let code = Code::read(ir)?;
     let mut totals = Totals::default();
     let wanted = |name: &str| effort.only.is_none_or(|only| only == name);
-    for (name, text) in SPECS.into_iter().filter(|(name, _)| wanted(name)) {
+    for (name, text) in SPECS
+        .into_iter()
+        .chain(SAMPLE_HALF)
+        .filter(|(name, _)| wanted(name))
+    {
         let spec = Spec::parse(text)?;
         let function = code.function(&spec.function)?;
         let problem = Problem::new(&spec, function, &code.objects)?;

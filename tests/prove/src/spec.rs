@@ -62,7 +62,10 @@ impl Spec {
             let (kind, rest) = head.split_once(' ').unwrap_or((head, ""));
             match kind {
                 "function" => spec.function = rest.trim().to_owned(),
-                "define" => spec.definitions.push_str(body),
+                "define" => {
+                    spec.definitions.push_str(body);
+                    spec.definitions.push('\n');
+                }
                 "assume" | "claim" => {
                     let (manner, text) = rest.split_once(": ").context("a name and a text")?;
                     let mut claim = Claim::in_manner(manner)?;

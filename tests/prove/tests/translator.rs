@@ -10,7 +10,23 @@ fn objects() -> Vec<Object> {
         offset,
         ty,
     };
-    vec![Object {
+    let words = Object {
+        name: "w".to_owned(),
+        fields: vec![
+            field("0", 0, FieldType::Int(32)),
+            field("1", 4, FieldType::Int(32)),
+        ],
+        readable: true,
+    };
+    let holder = Object {
+        name: "q".to_owned(),
+        fields: vec![
+            field("w", 0, FieldType::Pointer("w")),
+            field("n", 4, FieldType::Int(32)),
+        ],
+        readable: true,
+    };
+    let plain = Object {
         name: "p".to_owned(),
         fields: vec![
             field("a", 0, FieldType::Float),
@@ -18,7 +34,8 @@ fn objects() -> Vec<Object> {
             field("yes", 8, FieldType::Bool),
         ],
         readable: true,
-    }]
+    };
+    vec![plain, words, holder]
 }
 
 fn run(body: &str) -> Result<Translation, Unsupported> {
@@ -75,6 +92,138 @@ fn what_would_be_poison_is_demanded_not_to_be() {
     assert_eq!(out.demands.len(), 1);
     assert!(out.demands[0].1.contains("sign_extend 1"));
     assert!(out.body.contains("|p'.n|"));
+}
+
+/// Of a function that has two words and a number.
+fn run_on_words(body: &str) -> Result<Translation, Unsupported> {
+    let text = format!("define i32 @prove_x(ptr noundef %w, i32 %n) {{\nstart:\n{body}\n}}");
+    translate(&parse_functions(&text, "prove_")?[0], &objects())
+}
+
+const WORD: &str = "getelementptr inbounds nuw %\"core::sync::atomic::AtomicU32\", ptr %w, i32";
+
+#[test]
+fn a_word_that_depends_on_data_is_one_of_those_there_can_be() {
+    let body = format!(
+        "  %1 = and i32 %n, 1\n  %2 = {WORD} %1\n  \
+         %3 = load atomic i32, ptr %2 monotonic, align 4\n  \
+         store atomic i32 7, ptr %2 monotonic, align 4\n  ret i32 %3"
+    );
+    let body = run_on_words(&body).unwrap().body;
+    let [first, second] = ["(= v1 (_ bv0 32))", "(not (or false (= v1 (_ bv0 32))))"];
+    assert!(
+        body.contains(&format!("(ite {second} |w.1| |w.0|)")),
+        "{body}"
+    );
+    assert!(body.contains(&format!("(ite {first} (_ bv7 32) |w.0|)")));
+    assert!(body.contains(&format!("(ite {second} (_ bv7 32) |w.1|)")));
+    for (number, what) in [("%n", "depends on data"), ("1", "depends on data")] {
+        let body = format!("  %2 = {WORD} {number}\n  ret i32 %n");
+        let error = run_on_words(&body).unwrap_err().to_string();
+        assert!(error.contains(what), "{error}");
+    }
+    let body =
+        format!("  %1 = and i32 %n, 2\n  %2 = {WORD} %1\n  %3 = load i32, ptr %2\n  ret i32 %3");
+    let error = run_on_words(&body).unwrap_err().to_string();
+    assert!(error.contains("byte 8"), "{error}");
+}
+
+#[test]
+fn stores_are_counted_before_and_after_a_release_fence() {
+    let fence = "  fence syncscope(\"singlethread\") release\n";
+    let store = "  store atomic i32 %n, ptr %w monotonic, align 4\n";
+    let out = run_on_words(&format!("{store}{store}{fence}{store}  ret i32 %n")).unwrap();
+    let once = "(ite true (_ bv1 16) (_ bv0 16))";
+    let count = |name: &str| {
+        let line = format!("(define-fun |{name}| () (_ BitVec 16) ");
+        let rest = out.body.split_once(&line).unwrap().1;
+        rest.split_once(")\n").unwrap().0.to_owned()
+    };
+    let twice = format!(
+        "(define-fun {} () (_ BitVec 16) (bvadd v",
+        count("before.w.0")
+    );
+    assert!(out.body.contains(&twice), "{}", out.body);
+    let single = format!(
+        "{} () (_ BitVec 16) (bvadd (_ bv0 16) {once}))",
+        count("after.w.0")
+    );
+    assert!(out.body.contains(&single), "{}", out.body);
+    assert_eq!([count("before.w.1"), count("after.w.1")], ["(_ bv0 16)"; 2]);
+    assert_eq!(out.demands[0].1, "true", "the fence is always reached");
+    let two = run_on_words(&format!("{fence}{fence}  ret i32 %n"));
+    assert!(two.unwrap_err().to_string().contains("second release"));
+    let acquire = run_on_words("  fence syncscope(\"singlethread\") acquire\n  ret i32 %n");
+    assert!(!acquire.unwrap().body.contains("before."));
+}
+
+#[test]
+fn a_pointer_in_memory_leads_to_its_object() {
+    let text = "define i32 @prove_x(ptr noundef %q) {\nstart:\n  \
+                %1 = load ptr, ptr %q, align 4\n  %2 = load i32, ptr %1, align 4\n  ret i32 %2\n}";
+    let functions = parse_functions(text, "prove_").unwrap();
+    let out = translate(&functions[0], &objects()).unwrap();
+    assert!(
+        out.body.contains("(define-fun v1 () (_ BitVec 32) |w.0|)"),
+        "{}",
+        out.body
+    );
+    assert!(out.body.contains("|w'.1|") && out.body.contains("|q'.n|"));
+    let number = functions[0].clone();
+    let text = text
+        .replace("load ptr, ptr %q", "load i32, ptr %q")
+        .replace("ptr %1,", "ptr %q,");
+    let functions = parse_functions(&text, "prove_").unwrap();
+    assert_ne!(functions[0], number);
+    assert!(translate(&functions[0], &objects()).is_err());
+}
+
+#[test]
+fn a_division_is_demanded_to_have_a_quotient() {
+    let out = run_on_words("  %1 = sdiv i32 %n, 3\n  ret i32 %1").unwrap();
+    assert!(out.body.contains("(bvsdiv |n| (_ bv3 32))"));
+    let demands: Vec<&str> = out.demands.iter().map(|(_, term)| term.as_str()).collect();
+    assert_eq!(
+        demands,
+        [
+            "(=> true (distinct (_ bv3 32) (_ bv0 32)))",
+            "(=> true (not (and (= |n| (_ bv2147483648 32)) (= (_ bv3 32) (_ bv4294967295 32)))))",
+        ]
+    );
+    assert!(run_on_words("  %1 = sdiv exact i32 %n, 3\n  ret i32 %1").is_err());
+}
+
+#[test]
+fn a_shift_that_loses_bits_and_a_result_out_of_its_range_are_demanded_not_to_be() {
+    let out = run_on_words("  %1 = shl nuw nsw i32 %n, 1\n  ret i32 %1").unwrap();
+    assert_eq!(out.demands.len(), 3);
+    assert!(
+        out.demands[1]
+            .1
+            .contains("(bvlshr (bvshl |n| (_ bv1 32)) (_ bv1 32))")
+    );
+    assert!(
+        out.demands[2]
+            .1
+            .contains("(bvashr (bvshl |n| (_ bv1 32)) (_ bv1 32))")
+    );
+    let call = "  %1 = tail call noundef range(i32 -8, 9) i32 @llvm.sadd.sat.i32(i32 %n, i32 1)\n";
+    let out = run_on_words(&format!("{call}  ret i32 %1")).unwrap();
+    let demand = &out.demands[0].1;
+    assert!(demand.contains("(_ bv4294967288 32)") && demand.contains("(_ bv9 32)"));
+}
+
+#[test]
+fn a_block_that_there_is_no_way_around_is_always_reached() {
+    let body = "  %1 = icmp eq i32 %n, 0\n  br i1 %1, label %a, label %b\na:\n  \
+                br label %c\nb:\n  br label %c\nc:\n  store i32 %n, ptr %w, align 4\n  ret i32 %n";
+    let out = run_on_words(body).unwrap();
+    assert!(
+        out.body
+            .contains("(define-fun |w'.0| () (_ BitVec 32) |n|)")
+    );
+    let out = run_on_words(&body.replace("b:\n  br label %c", "b:\n  ret i32 1")).unwrap();
+    assert!(out.body.contains("(ite v1 |n| |w.0|)"), "{}", out.body);
 }
 
 #[test]

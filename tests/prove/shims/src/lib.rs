@@ -4,6 +4,7 @@
 #![no_std]
 #![allow(unsafe_code, reason = "names that can be found again")]
 
+use tempco::{BiasRamp, Corrector, PulseCorrector, PulseRamp, RampBuffer, Status};
 use tempco::{Interval, Play, SecondLag, Table, Terms, Thermal, ThermalSettings, ThermalState};
 
 /// One update of the thermal path.
@@ -105,3 +106,95 @@ pub static PROVE_PLAY: Play = Play::new(25.0);
 /// A second lag as it is made.
 #[unsafe(no_mangle)]
 pub static PROVE_LAG: SecondLag = SecondLag::new(25.0);
+
+/// Hands a ramp over.
+#[unsafe(no_mangle)]
+pub fn prove_publish(ramps: &RampBuffer<3>, ramp: &BiasRamp<3>) {
+    ramps.publish(ramp);
+}
+
+/// The same, and the first gyro sample after it.
+#[unsafe(no_mangle)]
+pub fn prove_take_over(
+    ramps: &RampBuffer<3>,
+    ramp: &BiasRamp<3>,
+    bias: &mut [f32; 3],
+    status: &mut u16,
+) {
+    ramps.publish(ramp);
+    prove_advance(ramps, bias, status);
+}
+
+/// The bias of the next gyro sample, with flags.
+#[unsafe(no_mangle)]
+pub fn prove_advance(ramps: &RampBuffer<3>, bias: &mut [f32; 3], status: &mut u16) {
+    let (next, flags) = Corrector::new(ramps).advance::<1>();
+    *bias = next;
+    *status = flags.bits();
+}
+
+/// One gyro sample.
+#[unsafe(no_mangle)]
+pub fn prove_correct(ramps: &RampBuffer<3>, raw: &[f32; 3], out: &mut [f32; 3]) {
+    *out = Corrector::new(ramps).correct(*raw);
+}
+
+/// Eight gyro samples at once.
+#[unsafe(no_mangle)]
+pub fn prove_correct_block(ramps: &RampBuffer<3>, block: &mut [[f32; 3]; 8]) {
+    Corrector::new(ramps).correct_block(block);
+}
+
+/// The flags as of the last gyro sample.
+#[unsafe(no_mangle)]
+pub fn prove_status(ramps: &RampBuffer<3>, status: &mut u16) {
+    *status = Corrector::new(ramps).status().bits();
+}
+
+/// A ramp in pulses.
+#[unsafe(no_mangle)]
+pub fn prove_pulse_ramp(ramp: &BiasRamp<3>, per_unit: &[f32; 3], fixed: &mut PulseRamp<3>) {
+    *fixed = PulseRamp::new(ramp, *per_unit);
+}
+
+/// The pulses of one gyro sample.
+#[unsafe(no_mangle)]
+pub fn prove_pulses(corrector: &mut PulseCorrector<'_, 3>, pulses: &[i32; 3], rest: &mut [i32; 3]) {
+    *rest = corrector.correct(*pulses);
+}
+
+/// The flags of gyro samples.
+#[unsafe(no_mangle)]
+pub fn prove_of_raw(raw: &[f32; 3]) -> u16 {
+    Status::of_raw(raw).bits()
+}
+
+/// A ramp of numbers that all differ.
+#[unsafe(no_mangle)]
+pub static PROVE_RAMP: BiasRamp<3> = BiasRamp {
+    end: [1.5, 2.5, 3.5],
+    slope: [4.5, 5.5, 6.5],
+    samples: 0x1234,
+    status: Status::from_bits(0x5678),
+};
+
+/// The same in pulses.
+#[unsafe(no_mangle)]
+pub static PROVE_PULSE_RAMP: PulseRamp<3> = PulseRamp {
+    end: [0x1122_3344, 0x2233_4455, 0x3344_5566],
+    slope: [0x4455_6677, 0x5566_7788, 0x6677_8899],
+    samples: 0x1234,
+    status: Status::from_bits(0x5678),
+};
+
+/// A buffer as it is made.
+#[unsafe(no_mangle)]
+pub static PROVE_RAMPS: RampBuffer<3> = RampBuffer::new();
+
+/// A buffer for pulses.
+#[unsafe(no_mangle)]
+pub static PROVE_PULSE_RAMPS: RampBuffer<3, i32> = RampBuffer::new();
+
+/// A corrector of pulses as it is made.
+#[unsafe(no_mangle)]
+pub static PROVE_PULSES: PulseCorrector<'static, 3> = PulseCorrector::new(&PROVE_PULSE_RAMPS);

@@ -58,14 +58,20 @@ pub enum Op {
     Select(Operand, Type, Operand, Operand),
     /// `zext`, `trunc`, `sitofp` and so on: flags, from, value, to.
     Cast(String, Vec<String>, Type, Operand, Type),
-    /// `load`.
+    /// `load`; atomic or not.
     Load(Type, Operand),
-    /// `store`: type, value, pointer.
+    /// `store`, atomic or not: type, value, pointer.
     Store(Type, Operand, Operand),
     /// `getelementptr` by a constant number of bytes.
     Offset(Operand, i128),
-    /// `call` of an intrinsic: name, arguments.
-    Call(String, Vec<(Type, Operand)>),
+    /// `getelementptr` by a number of words that depends on data: address, type of the number,
+    /// number.
+    Words(Operand, Type, Operand),
+    /// `fence` of the compiler alone; whether it is of the kind `release`.
+    Fence(bool),
+    /// `call` of an intrinsic: name, arguments, and the least number that the result is and the
+    /// least above that it is not, where the compiler says so.
+    Call(String, Vec<(Type, Operand)>, Option<(i128, i128)>),
     /// `phi`: value and block it comes from.
     Phi(Type, Vec<(Operand, String)>),
     /// `freeze`.

@@ -104,7 +104,7 @@ fn operation(name: &str, words: &mut Words) -> Result<Op, Unsupported> {
             let (a, b) = pair(words, Some(Type::Float))?.1;
             Op::FloatCompare(predicate, a, b)
         }
-        "add" | "sub" | "mul" | "and" | "or" | "xor" | "shl" | "lshr" | "ashr" => {
+        "add" | "sub" | "mul" | "sdiv" | "and" | "or" | "xor" | "shl" | "lshr" | "ashr" => {
             let flags = words.flags(&["nuw", "nsw", "disjoint", "exact"]);
             let (ty, (a, b)) = pair(words, None)?;
             Op::IntBinary(name.to_owned(), flags, ty, a, b)
@@ -135,28 +135,23 @@ fn operation(name: &str, words: &mut Words) -> Result<Op, Unsupported> {
             Op::Cast(name.to_owned(), flags, from, value, words.ty()?)
         }
         "load" => {
+            let is_atomic = words.take("atomic");
             let ty = words.ty()?;
             words.expect(",")?;
-            Op::Load(ty, words.typed()?.1)
+            let pointer = words.typed()?.1;
+            order(words, is_atomic, ty)?;
+            Op::Load(ty, pointer)
         }
         "store" => {
+            let is_atomic = words.take("atomic");
             let (ty, value) = words.typed()?;
             words.expect(",")?;
-            Op::Store(ty, value, words.typed()?.1)
+            let pointer = words.typed()?.1;
+            order(words, is_atomic, ty)?;
+            Op::Store(ty, value, pointer)
         }
-        "getelementptr" => {
-            words.flags(&["inbounds", "nuw", "nusw"]);
-            if words.ty()? != Type::Int(8) {
-                return Err(words.error("an address not in bytes"));
-            }
-            words.expect(",")?;
-            let base = words.typed()?.1;
-            words.expect(",")?;
-            match words.typed()?.1 {
-                Operand::Int(bytes) => Op::Offset(base, bytes),
-                _ => return Err(words.error("an address that depends on data")),
-            }
-        }
+        "fence" => fence(words)?,
+        "getelementptr" => address(words)?,
         "phi" => phi(words)?,
         "freeze" => {
             let (ty, value) = words.typed()?;
@@ -177,6 +172,46 @@ fn operation(name: &str, words: &mut Words) -> Result<Op, Unsupported> {
     Ok(op)
 }
 
+/// The order of an atomic access: the one that orders nothing, and words only.
+fn order(words: &mut Words, is_atomic: bool, ty: Type) -> Result<(), Unsupported> {
+    if is_atomic {
+        words.expect("monotonic")?;
+        if ty != Type::Int(32) {
+            return Err(words.error("an atomic access that is no word"));
+        }
+    }
+    Ok(())
+}
+
+fn fence(words: &mut Words) -> Result<Op, Unsupported> {
+    for word in ["syncscope", "(", "\"singlethread\"", ")"] {
+        words.expect(word)?;
+    }
+    match words.word()? {
+        "release" => Ok(Op::Fence(true)),
+        "acquire" => Ok(Op::Fence(false)),
+        _ => Err(words.error("a fence of this kind")),
+    }
+}
+
+/// An address and how far from it: bytes if constant, words if it depends on data.
+fn address(words: &mut Words) -> Result<Op, Unsupported> {
+    words.flags(&["inbounds", "nuw", "nusw"]);
+    // The library says that it has the size of the number it holds.
+    let in_words = words.take("%\"core::sync::atomic::AtomicU32\"");
+    if !in_words && words.ty()? != Type::Int(8) {
+        return Err(words.error("an address not in bytes"));
+    }
+    words.expect(",")?;
+    let base = words.typed()?.1;
+    words.expect(",")?;
+    match (words.typed()?, in_words) {
+        ((_, Operand::Int(bytes)), false) => Ok(Op::Offset(base, bytes)),
+        ((ty @ Type::Int(32), number), true) => Ok(Op::Words(base, ty, number)),
+        _ => Err(words.error("an address that depends on data")),
+    }
+}
+
 /// `ty a, b`
 fn pair(
     words: &mut Words,
@@ -192,6 +227,8 @@ fn pair(
 
 fn call(words: &mut Words) -> Result<Op, Unsupported> {
     words.attributes()?;
+    let range = words.take("range").then(|| range(words)).transpose()?;
+    words.attributes()?;
     if !words.take("void") {
         words.ty()?;
     }
@@ -205,7 +242,20 @@ fn call(words: &mut Words) -> Result<Op, Unsupported> {
         arguments.push(words.typed()?);
         words.take(",");
     }
-    Ok(Op::Call(name.to_owned(), arguments))
+    Ok(Op::Call(name.to_owned(), arguments, range))
+}
+
+/// `(ty low, high)`
+fn range(words: &mut Words) -> Result<(i128, i128), Unsupported> {
+    words.expect("(")?;
+    let (_, low) = words.typed()?;
+    words.expect(",")?;
+    let high = words.operand(Type::Int(64))?;
+    words.expect(")")?;
+    match (low, high) {
+        (Operand::Int(low), Operand::Int(high)) if low < high => Ok((low, high)),
+        _ => Err(words.error("a range of this kind")),
+    }
 }
 
 fn phi(words: &mut Words) -> Result<Op, Unsupported> {
@@ -266,6 +316,11 @@ mod tests {
             "  %1 = frem float %a, %a",
             "  %1 = getelementptr inbounds i8, ptr %a, i32 %b",
             "  %1 = load atomic i32, ptr %a seq_cst, align 4",
+            "  %1 = load atomic i16, ptr %a monotonic, align 2",
+            "  store atomic i32 1, ptr %a release, align 4",
+            "  fence release",
+            "  fence syncscope(\"singlethread\") seq_cst",
+            "  %1 = getelementptr inbounds %\"a::B\", ptr %a, i32 %b",
             "  %1 = load volatile i32, ptr %a, align 4",
             "  switch i32 %a, label %b [",
             "  %1 = tail call float %f(float %a)",
@@ -287,7 +342,8 @@ mod tests {
                 vec![
                     (Type::Int(32), Operand::Local("a".to_owned())),
                     (Type::Int(32), Operand::Int(0)),
-                ]
+                ],
+                None
             )
         );
     }

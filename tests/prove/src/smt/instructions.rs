@@ -161,6 +161,22 @@ impl State {
         Ok(Some(value))
     }
 
+    /// The result is poison unless it is at least the first and below the second number.
+    pub(super) fn in_range(
+        &mut self,
+        instruction: &Instruction,
+        value: &Value,
+        (low, high): (i128, i128),
+    ) -> Result<(), String> {
+        let Value::Bits(width, term) = value else {
+            return Err("a range of no integer".to_owned());
+        };
+        let (low, high) = (bits(*width, low), bits(*width, high));
+        let term = format!("(and (bvsge {term} {low}) (bvslt {term} {high}))");
+        self.demand(&instruction.line, &term);
+        Ok(())
+    }
+
     pub(super) fn phi(&self, ty: Type, incoming: &[(Operand, String)]) -> Result<Value, String> {
         let edges = self
             .edges

@@ -13,6 +13,7 @@ pub(super) fn binary(op: &str, flags: &[String], width: u32, a: &str, b: &str) -
         "add" => "bvadd",
         "sub" => "bvsub",
         "mul" => "bvmul",
+        "sdiv" => "bvsdiv",
         "and" => "bvand",
         "or" => "bvor",
         "xor" => "bvxor",
@@ -26,9 +27,18 @@ pub(super) fn binary(op: &str, flags: &[String], width: u32, a: &str, b: &str) -
     if matches!(op, "shl" | "lshr" | "ashr") {
         demands.push(format!("(bvult {b} {})", bits(width, i128::from(width))));
     }
+    if op == "sdiv" {
+        let least = bits(width, 1 << (width - 1));
+        demands.push(format!("(distinct {b} {})", bits(width, 0)));
+        let ends = format!("(and (= {a} {least}) (= {b} {}))", bits(width, -1));
+        demands.push(format!("(not {ends})"));
+    }
     for flag in flags {
         demands.push(match (op, flag.as_str()) {
             ("or", "disjoint") => format!("(= (bvand {a} {b}) {})", bits(width, 0)),
+            // Shifted back, it must be the same number.
+            ("shl", "nuw") => format!("(= (bvlshr {term} {b}) {a})"),
+            ("shl", "nsw") => format!("(= (bvashr {term} {b}) {a})"),
             ("add" | "sub" | "mul", "nsw" | "nuw") => {
                 let signed = flag == "nsw";
                 let extra = if op == "mul" { width } else { 1 };

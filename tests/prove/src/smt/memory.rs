@@ -14,6 +14,8 @@ pub enum FieldType {
     Int(u32),
     /// A truth value in a byte.
     Bool,
+    /// A pointer to the object of this name.
+    Pointer(&'static str),
 }
 
 impl FieldType {
@@ -23,6 +25,7 @@ impl FieldType {
             Self::Float => Type::Float,
             Self::Int(bits) => Type::Int(bits),
             Self::Bool => Type::Int(8),
+            Self::Pointer(_) => Type::Ptr,
         }
     }
 }
@@ -59,8 +62,7 @@ fn size(value: &Value) -> usize {
     match value {
         Value::Bool(_) => 1,
         Value::Bits(bits, _) => bits.div_ceil(8) as usize,
-        Value::Float(_) => 4,
-        Value::Address(..) => 0,
+        Value::Float(_) | Value::Address(_) => 4,
     }
 }
 
@@ -75,7 +77,7 @@ impl Memory {
         let (object, offset) = address;
         let value = self.objects[object].get(&offset);
         let value = value.ok_or_else(|| format!("a load of no known field at byte {offset}"))?;
-        if ty.bytes() == Some(size(value)) {
+        if value.is(ty) || ty.bytes() == Some(size(value)) {
             Ok(value.clone())
         } else {
             Err(format!("a load of another size at byte {offset}"))

@@ -1,5 +1,6 @@
 //! From intermediate code to SMT-LIB, and from there to two solvers.
 
+mod accesses;
 mod floats;
 mod instructions;
 mod integers;
@@ -22,8 +23,8 @@ pub(crate) enum Value {
     Bits(u32, String),
     /// `float`
     Float(String),
-    /// Address: number of the object and offset \[bytes\].
-    Address(usize, usize),
+    /// `ptr`
+    Address(Address),
 }
 
 impl Value {
@@ -62,6 +63,18 @@ impl Value {
             _ => false,
         }
     }
+}
+
+/// A place in an object.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Address {
+    /// Number of the object.
+    pub(crate) object: usize,
+    /// Offset \[bytes\], but for what depends on data.
+    pub(crate) offset: usize,
+    /// How many words further it is, where that depends on data: a term of 32 bits, and the most
+    /// that it can be.
+    pub(crate) words: Option<(String, usize)>,
 }
 
 /// A constant of so many bits.

@@ -2,15 +2,16 @@
 //!
 //! Control flow must not loop. Blocks are visited in an order in which every block follows those
 //! that lead to it; a store counts where the condition of its block holds, a phi selects by the
-//! conditions of the edges. NaNs carry no payload: where the bits of a float are read, they are any
+//! conditions of the edges. Nothing else changes memory meanwhile. NaNs carry no payload: where the bits of a float are read, they are any
 //! bits that stand for the float, which is more than the machine does and so proves no less;
 //! but a magnitude has no sign bit, NaN or not.
 
 use std::collections::{HashMap, HashSet};
 use std::fmt::Write;
 
+use super::accesses::Counts;
 use super::memory::{FieldType, Memory, Object};
-use super::{Value, bits, float_bits, floats, integers};
+use super::{Address, Value, bits, float_bits, floats, integers};
 use crate::ir::{Block, Function, Instruction, Op, Operand, Type, Unsupported};
 
 /// A function in SMT-LIB.
@@ -32,12 +33,16 @@ pub struct Translation {
 /// Anything that has no exact counterpart here.
 pub fn translate(function: &Function, objects: &[Object]) -> Result<Translation, Unsupported> {
     let mut state = State::default();
+    let mut code = function.blocks.iter().flat_map(|block| &block.instructions);
+    if code.any(|instruction| instruction.op == Op::Fence(true)) {
+        state.stores = Some(<[Counts; 2]>::default());
+    }
     for (ty, name) in &function.parameters {
         let value = state.parameter(*ty, name, objects)?;
         state.values.insert(name.clone(), value);
     }
     for block in in_order(&function.blocks)? {
-        state.block(block)?;
+        state.block(block, is_always_reached(&function.blocks, &block.label))?;
     }
     state.outputs(function, objects)?;
     Ok(state.out)
@@ -47,12 +52,18 @@ pub fn translate(function: &Function, objects: &[Object]) -> Result<Translation,
 pub(super) struct State {
     pub(super) out: Translation,
     values: HashMap<String, Value>,
-    memory: Memory,
+    pub(super) memory: Memory,
     objects: HashMap<String, usize>,
+    /// How often fields are stored before and after a release fence, by object and offset; once
+    /// there is one in the function.
+    pub(super) stores: Option<[Counts; 2]>,
+    pub(super) is_released: bool,
     /// Conditions of the edges into a block, with the block they come from.
     pub(super) edges: HashMap<String, Vec<(String, String)>>,
+    /// The most that a value can be, for those that are masked.
+    pub(super) most: HashMap<String, usize>,
     /// Condition of the present block.
-    here: String,
+    pub(super) here: String,
     pub(super) label: String,
     result: Option<Value>,
     /// Results of `fabs`, whose sign bit is clear even where they are NaN.
@@ -77,6 +88,23 @@ fn in_order(blocks: &[Block]) -> Result<Vec<&Block>, Unsupported> {
     Ok(ordered)
 }
 
+/// Whether there is no way around the block of this label.
+fn is_always_reached(blocks: &[Block], label: &str) -> bool {
+    let mut seen = HashSet::from([label]);
+    let mut next = vec![blocks[0].label.as_str()];
+    while let Some(at) = next.pop() {
+        if seen.insert(at) {
+            let block = blocks.iter().find(|block| block.label == at);
+            let targets = block.map(targets).unwrap_or_default();
+            if targets.is_empty() {
+                return false;
+            }
+            next.extend(targets);
+        }
+    }
+    true
+}
+
 fn targets(block: &Block) -> Vec<&str> {
     match block.instructions.last().map(|last| &last.op) {
         Some(Op::Jump(to)) => vec![to],
@@ -85,7 +113,7 @@ fn targets(block: &Block) -> Vec<&str> {
     }
 }
 
-fn and(terms: &[&str]) -> String {
+pub(super) fn and(terms: &[&str]) -> String {
     let terms: Vec<&str> = terms
         .iter()
         .copied()
@@ -114,7 +142,10 @@ impl State {
         self.objects.insert(object.name.clone(), number);
         for field in object.fields.iter().filter(|_| object.readable) {
             let path = format!("{}.{}", object.name, field.name);
-            let value = self.input(&path, field.ty.in_memory())?;
+            let value = match field.ty {
+                FieldType::Pointer(target) => self.parameter(Type::Ptr, target, objects)?,
+                ty => self.input(&path, ty.in_memory())?,
+            };
             if let (FieldType::Bool, Value::Bits(_, term)) = (field.ty, &value) {
                 // The language allows no other bytes.
                 writeln!(self.out.inputs, "(assert (bvule {term} {}))", bits(8, 1)).ok();
@@ -122,7 +153,11 @@ impl State {
             let stored = self.memory.store((number, field.offset), value);
             stored.map_err(|what| Unsupported::new(what, &path))?;
         }
-        Ok(Value::Address(number, 0))
+        Ok(Value::Address(Address {
+            object: number,
+            offset: 0,
+            words: None,
+        }))
     }
 
     fn input(&mut self, name: &str, ty: Type) -> Result<Value, Unsupported> {
@@ -138,7 +173,7 @@ impl State {
         Ok(value)
     }
 
-    fn define(&mut self, value: &Value) -> Value {
+    pub(super) fn define(&mut self, value: &Value) -> Value {
         let (Some(sort), Some(term)) = (value.sort(), value.term()) else {
             return value.clone();
         };
@@ -158,9 +193,10 @@ impl State {
         value
     }
 
-    fn block(&mut self, block: &Block) -> Result<(), Unsupported> {
+    fn block(&mut self, block: &Block, is_always_reached: bool) -> Result<(), Unsupported> {
         self.label.clone_from(&block.label);
         self.here = match self.edges.get(&block.label) {
+            _ if is_always_reached => "true".to_owned(),
             None => "true".to_owned(),
             Some(edges) if edges.len() == 1 => edges[0].1.clone(),
             // Where both ways of a choice meet again.
@@ -180,6 +216,7 @@ impl State {
                 (Some(name), Some(value)) => {
                     let value = self.define(&value);
                     self.values.insert(name.clone(), value);
+                    self.note_most(name, &instruction.op);
                 }
                 (None, None) => {}
                 _ => return Err(Unsupported::new("result", &instruction.line)),
@@ -221,13 +258,6 @@ impl State {
             .ok_or_else(|| "an address".to_owned())
     }
 
-    fn address(&self, operand: &Operand) -> Result<(usize, usize), String> {
-        match self.value(Type::Ptr, operand)? {
-            Value::Address(object, offset) => Ok((object, offset)),
-            _ => Err("no address".to_owned()),
-        }
-    }
-
     fn execute(&mut self, instruction: &Instruction) -> Result<Option<Value>, String> {
         let float = Type::Float;
         let value = match &instruction.op {
@@ -259,22 +289,24 @@ impl State {
             Op::Cast(name, flags, from, value, to) => {
                 self.cast(instruction, (name, flags), (*from, value), *to)?
             }
-            Op::Load(ty, pointer) => {
-                let loaded = self.memory.load(self.address(pointer)?, *ty)?;
-                self.reinterpret(loaded, *ty)?
-            }
+            Op::Load(ty, pointer) => self.load(*ty, pointer)?,
             Op::Store(ty, value, pointer) => {
-                let (value, address) = (self.value(*ty, value)?, self.address(pointer)?);
-                let value = self.guarded(value, address, *ty)?;
-                self.memory.store(address, value)?;
+                self.store(*ty, value, pointer)?;
                 return Ok(None);
             }
-            Op::Offset(base, bytes) => {
-                let (object, offset) = self.address(base)?;
-                let offset = offset as i128 + bytes;
-                Value::Address(object, usize::try_from(offset).map_err(|_| "offset")?)
+            Op::Offset(base, bytes) => self.offset(base, *bytes)?,
+            Op::Words(base, ty, number) => self.words(base, *ty, number)?,
+            Op::Fence(is_release) => {
+                self.fence(instruction, *is_release)?;
+                return Ok(None);
             }
-            Op::Call(name, arguments) => return self.call(instruction, name, arguments),
+            Op::Call(name, arguments, range) => {
+                let result = self.call(instruction, name, arguments)?;
+                if let (Some(value), Some(range)) = (&result, range) {
+                    self.in_range(instruction, value, *range)?;
+                }
+                return Ok(result);
+            }
             Op::Phi(ty, incoming) => self.phi(*ty, incoming)?,
             Op::Freeze(ty, value) => self.value(*ty, value)?,
             Op::Jump(to) => {
@@ -315,27 +347,6 @@ impl State {
         edges.push((self.label.clone(), condition));
     }
 
-    /// What memory holds after a store that happens only if its block is reached.
-    fn guarded(
-        &mut self,
-        value: Value,
-        address: (usize, usize),
-        ty: Type,
-    ) -> Result<Value, String> {
-        if self.here == "true" {
-            return Ok(value);
-        }
-        let old = self.memory.load(address, ty)?;
-        let old = self.reinterpret(old, ty)?;
-        let term = format!(
-            "(ite {} {} {})",
-            self.here,
-            value.term().ok_or("an address")?,
-            old.term().ok_or("an address")?
-        );
-        Ok(self.define(&value.named(term)))
-    }
-
     /// The same bytes as another type.
     pub(super) fn reinterpret(&mut self, value: Value, ty: Type) -> Result<Value, String> {
         match (&value, ty) {
@@ -368,14 +379,20 @@ impl State {
             self.output("result", &value);
         }
         for object in objects {
-            let Some(&number) = self.objects.get(&object.name) else {
+            let Some(&object_number) = self.objects.get(&object.name) else {
                 continue;
             };
             for field in &object.fields {
                 let ty = field.ty.in_memory();
-                let value = self.memory.load((number, field.offset), ty).map_err(fail)?;
+                let value = self.memory.load((object_number, field.offset), ty);
+                let value = value.map_err(fail)?;
                 let value = self.reinterpret(value, ty).map_err(fail)?;
                 self.output(&format!("{}'.{}", object.name, field.name), &value);
+                for (number, when) in [(0, "before"), (1, "after")] {
+                    if let Some(count) = self.count_of(number, (object_number, field.offset)) {
+                        self.output(&format!("{when}.{}.{}", object.name, field.name), &count);
+                    }
+                }
             }
         }
         Ok(())
