@@ -15,7 +15,9 @@ pub(crate) struct Args {
     /// Also pass all 2^32 temperatures through the table, against f64
     #[arg(long)]
     exhaustive: bool,
-    /// Only this function: place, bias, interval, update, play or second_lag
+    /// Only this function: place, bias, interval, update, play or second_lag; of the
+    /// sample half publish, take_over, advance, correct, correct_block, status, pulses,
+    /// pulse_status, pulse_ramp or of_raw
     #[arg(long)]
     only: Option<String>,
     /// Time limit of a query \[s\]

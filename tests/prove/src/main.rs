@@ -27,7 +27,9 @@ struct Args {
     /// Coefficient set whose tables are examined; the example table without one
     #[arg(long)]
     set: Option<PathBuf>,
-    /// Only this function: place, bias, interval, update, play or second_lag
+    /// Only this function: place, bias, interval, update, play or second_lag; of the
+    /// sample half publish, take_over, advance, correct, correct_block, status, pulses,
+    /// pulse_status, pulse_ramp or of_raw
     #[arg(long)]
     only: Option<String>,
     /// Time limit of a query \[s\]

@@ -103,6 +103,13 @@ fn changes(op: &Op) -> Vec<(&'static str, Op)> {
                 .into_iter()
                 .collect()
         }
+        Op::IntBinary(name, flags, ty, a, b)
+            if matches!(name.as_str(), "add" | "sub") && flags.is_empty() =>
+        {
+            let other = if name == "add" { "sub" } else { "add" };
+            let op = Op::IntBinary(other.to_owned(), Vec::new(), *ty, a.clone(), b.clone());
+            vec![("the wrong sign", op)]
+        }
         Op::Call(name, arguments, _) if name.contains(".sat.i") && arguments.len() == 2 => {
             let plain = if name.contains("add") { "add" } else { "sub" };
             let (ty, a) = arguments[0].clone();

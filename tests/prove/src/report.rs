@@ -36,13 +36,16 @@ macro_rules! sample_half {
     };
 }
 
-const SAMPLE_HALF: [(&str, &str); 7] = [
+const SAMPLE_HALF: [(&str, &str); 10] = [
     sample_half!("publish"),
     sample_half!("take_over"),
     sample_half!("advance"),
     sample_half!("correct"),
     sample_half!("correct_block"),
     sample_half!("status"),
+    sample_half!("pulses"),
+    sample_half!("pulse_status"),
+    ("pulse_ramp", include_str!("../spec/pulse_ramp.smt2")),
     ("of_raw", include_str!("../spec/of_raw.smt2")),
 ];
 

@@ -163,6 +163,12 @@ pub fn prove_pulses(corrector: &mut PulseCorrector<'_, 3>, pulses: &[i32; 3], re
     *rest = corrector.correct(*pulses);
 }
 
+/// The flags as of the last gyro sample, of pulses.
+#[unsafe(no_mangle)]
+pub fn prove_pulse_status(corrector: &PulseCorrector<'_, 3>, status: &mut u16) {
+    *status = corrector.status().bits();
+}
+
 /// The flags of gyro samples.
 #[unsafe(no_mangle)]
 pub fn prove_of_raw(raw: &[f32; 3]) -> u16 {
