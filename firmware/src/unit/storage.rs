@@ -85,7 +85,7 @@ impl<'t, F: Flash> Storage<'t, F> {
         let offsets = Offsets::open(&mut flash, regions.offsets)?;
         let [a, b] = regions.slots;
         let mut store = Store::new(&flash, a, b)?;
-        let fits: Vec<Fit, MAX_AXES> = fits.as_flattened().iter().copied().collect();
+        let fits: Vec<Fit, MAX_AXES> = Vec::from_slice(fits.as_flattened()).unwrap_or_default();
         let boot = store.boot(&mut flash, buffer, accept::<C, A>(&fits));
         let image = boot.active.and_then(|active| {
             let buffer: &'t [u8] = buffer;
@@ -156,7 +156,14 @@ impl<'t, F: Flash> Storage<'t, F> {
             uptime_s: fault.uptime_s,
             detail: fault.detail,
         };
-        occurred.map(entry).take(MAX_FAULTS).collect()
+        // `collect` would panic, were there more.
+        let mut entries = Vec::new();
+        for entry in occurred.map(entry) {
+            if entries.push(entry).is_err() {
+                break;
+            }
+        }
+        entries
     }
 
     /// The constant biases that re-zero has found with a table, as they are kept.
