@@ -67,9 +67,10 @@ fn changes(op: &Op) -> Vec<(&'static str, Op)> {
             ));
             found
         }
-        Op::IntCompare(predicate, ty, a, b) => {
-            let compare =
-                |predicate: &str| Op::IntCompare(predicate.to_owned(), *ty, a.clone(), b.clone());
+        Op::IntCompare(predicate, same_sign, ty, a, b) => {
+            let compare = |predicate: &str| {
+                Op::IntCompare(predicate.to_owned(), *same_sign, *ty, a.clone(), b.clone())
+            };
             let mut found = Vec::new();
             if let Some(other) = swapped(predicate, [("gt", "ge"), ("lt", "le")]) {
                 found.push(("comparison off by one", compare(&other)));

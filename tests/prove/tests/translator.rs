@@ -194,6 +194,18 @@ fn a_division_is_demanded_to_have_a_quotient() {
 }
 
 #[test]
+fn signs_that_are_said_to_be_equal_are_demanded_to_be() {
+    let out = run_on_words(
+        "  %1 = icmp samesign ugt i32 %n, 7\n  %2 = select i1 %1, i32 1, i32 0\n  ret i32 %2",
+    );
+    let demands = out.unwrap().demands;
+    assert_eq!(
+        demands[0].1,
+        "(=> true (bvsge (bvxor |n| (_ bv7 32)) (_ bv0 32)))"
+    );
+}
+
+#[test]
 fn a_shift_that_loses_bits_and_a_result_out_of_its_range_are_demanded_not_to_be() {
     let out = run_on_words("  %1 = shl nuw nsw i32 %n, 1\n  ret i32 %1").unwrap();
     assert_eq!(out.demands.len(), 3);

@@ -52,8 +52,8 @@ pub enum Op {
     FloatCompare(String, Operand, Operand),
     /// `add`, `sub`, `and`, `or`, `xor` and so on, with the flags that make poison.
     IntBinary(String, Vec<String>, Type, Operand, Operand),
-    /// `icmp` with its predicate.
-    IntCompare(String, Type, Operand, Operand),
+    /// `icmp` with its predicate; whether other signs than equal ones make poison.
+    IntCompare(String, bool, Type, Operand, Operand),
     /// `select`.
     Select(Operand, Type, Operand, Operand),
     /// `zext`, `trunc`, `sitofp` and so on: flags, from, value, to.

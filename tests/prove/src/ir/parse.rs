@@ -110,9 +110,10 @@ fn operation(name: &str, words: &mut Words) -> Result<Op, Unsupported> {
             Op::IntBinary(name.to_owned(), flags, ty, a, b)
         }
         "icmp" => {
+            let same_sign = words.take("samesign");
             let predicate = words.word()?.to_owned();
             let (ty, (a, b)) = pair(words, None)?;
-            Op::IntCompare(predicate, ty, a, b)
+            Op::IntCompare(predicate, same_sign, ty, a, b)
         }
         "select" => {
             let (condition_ty, condition) = words.typed()?;
@@ -326,7 +327,7 @@ mod tests {
             "  %1 = tail call float %f(float %a)",
             "  %1 = atomicrmw add ptr %a, i32 1 monotonic",
             "  %1 = alloca [80 x i8], align 8",
-            "  %1 = icmp samesign ult i32 %a, 4",
+            "  %1 = icmp fast ult i32 %a, 4",
         ] {
             assert!(body(line).is_err(), "{line}");
         }

@@ -273,11 +273,16 @@ impl State {
             Op::IntBinary(op, flags, ty, a, b) => {
                 self.int_binary(instruction, op, flags, *ty, a, b)?
             }
-            Op::IntCompare(predicate, ty, a, b) => {
+            Op::IntCompare(predicate, same_sign, ty, a, b) => {
                 if *ty == Type::Int(1) {
                     return Err("comparison of truth values".to_owned());
                 }
-                let term = integers::compare(predicate, &self.term(*ty, a)?, &self.term(*ty, b)?);
+                let (a, b) = (self.term(*ty, a)?, self.term(*ty, b)?);
+                if let (true, Type::Int(width)) = (*same_sign, *ty) {
+                    let demand = format!("(bvsge (bvxor {a} {b}) {})", bits(width, 0));
+                    self.demand(&instruction.line, &demand);
+                }
+                let term = integers::compare(predicate, &a, &b);
                 Value::Bool(term.ok_or("integer comparison")?)
             }
             Op::Select(condition, ty, a, b) => {
