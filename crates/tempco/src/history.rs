@@ -197,3 +197,18 @@ impl PlayState {
         (plays_c, unknown)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ThermalSettings;
+
+    #[test]
+    fn a_second_lag_follows_its_equation_and_begins_again_after_a_gap() {
+        let thermal = Thermal::new(ThermalSettings::DEFAULT).unwrap();
+        let [tenth, gap] = [60.0, 301.0].map(|dt_s| Interval::new(&thermal, dt_s));
+        let mut lag = SecondLag::new(20.0);
+        assert!((lag.update(&tenth, 30.0) - 10.0 * (1.0 - tenth.alpha2)).abs() < 1e-5);
+        assert_eq!(lag.update(&gap, 50.0), 0.0);
+    }
+}

@@ -280,6 +280,20 @@ mod tests {
         assert_eq!(Corrector::new(&ramps).correct([0.0]), [0.5 - 7.0]);
     }
 
+    #[test]
+    fn a_ramp_of_whole_numbers_is_handed_over_as_it_is() {
+        let ramps = RampBuffer::<1, i32>::new();
+        ramps.publish(&Ramp {
+            end: [-7],
+            slope: [3],
+            samples: 2,
+            status: Status::OK,
+        });
+        let passed = ramps.advance(|left| left - 1);
+        assert_eq!((passed.before, passed.left), (2, 1));
+        assert_eq!((ramps.end(&passed, 0), ramps.slope(&passed, 0)), (-7, 3));
+    }
+
     /// The counters stop where they say all they have to.
     #[test]
     fn a_ramp_that_is_late_for_ever_stays_late() {

@@ -297,6 +297,15 @@ mod tests {
     use super::*;
 
     #[test]
+    fn settings_go_through_an_array_in_the_order_of_their_names() {
+        let numbers = core::array::from_fn(|number| number as f32);
+        let settings = ThermalSettings::from_array(numbers);
+        assert_eq!(settings.to_array(), numbers);
+        assert_eq!(ThermalSettings::NAMES[6], "tau_s");
+        assert_eq!((settings.sensor_min_c, settings.tau_s), (0.0, 6.0));
+    }
+
+    #[test]
     fn bad_settings_are_refused_by_name() {
         macro_rules! refuse {
             ($($name:ident: $($value:expr),+;)+) => {$($(

@@ -94,3 +94,14 @@ impl Not for Sign {
         Self(!self.0)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn signs_are_equal_where_both_hold_or_neither() {
+        assert!(Sign(-1) == Sign(i32::MIN) && Sign(0) == Sign(7));
+        assert!(Sign(-1) != Sign::NO);
+    }
+}

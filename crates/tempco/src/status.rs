@@ -178,6 +178,14 @@ mod tests {
     }
 
     #[test]
+    fn flags_are_gathered() {
+        let mut status = Status::SETTLING;
+        status |= Status::RATE_CLAMPED;
+        assert_eq!(status, Status::SETTLING | Status::RATE_CLAMPED);
+        assert_eq!(status & Status::RATE_CLAMPED, Status::RATE_CLAMPED);
+    }
+
+    #[test]
     fn validity_is_the_worst_of_the_flags() {
         assert_eq!(Status::OK.validity(), Validity::Valid);
         for (flag, name) in Status::NAMES {

@@ -131,6 +131,14 @@ mod tests {
     use super::*;
 
     #[test]
+    fn terms_go_through_an_array_and_those_not_given_are_zero() {
+        let terms = Terms::new([1.0, 2.0], [8.0]);
+        let numbers: [f32; Terms::COUNT] = terms.into();
+        assert_eq!(numbers, [1.0, 2.0, 0.0, 8.0, 0.0, 0.0, 0.0]);
+        assert_eq!(Terms::from(numbers), terms);
+    }
+
+    #[test]
     fn bias_is_the_polynomial_of_all_terms() {
         let terms = Terms::from_array([1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0]);
         assert_eq!(terms.bias(0.0, 0.0, 0.0), 1.0);

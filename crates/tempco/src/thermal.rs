@@ -179,3 +179,25 @@ pub(crate) fn clamp(value: f32, min: f32, max: f32, flag: Status) -> (f32, Statu
     let limited = select_unpredictable(limited > max, max, limited);
     (limited, flag.when(limited != value))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ThermalSettings;
+
+    /// At one temperature, what rounding left out of it stays in the filter.
+    #[test]
+    fn dropping_what_is_tiny_changes_no_output() {
+        let thermal = Thermal::new(ThermalSettings::DEFAULT).unwrap();
+        let second = Interval::new(&thermal, 1.0);
+        let mut state = ThermalState::new(&thermal);
+        state.start(&thermal, 20.0);
+        let mut dropped = state;
+        for number in 0..5000 {
+            let temp_c = if number == 0 { 20.5 } else { 20.0 };
+            let point = state.update(&thermal, &second, temp_c);
+            dropped.drop_tiny();
+            assert_eq!(dropped.update(&thermal, &second, temp_c), point);
+        }
+    }
+}
