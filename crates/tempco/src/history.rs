@@ -8,14 +8,12 @@ use core::hint::select_unpredictable;
 
 use crate::conditioner::Conditioned;
 use crate::estimator::Filter;
+use crate::settings::PLAYS;
 use crate::sign::{Sign, limit, magnitude};
 use crate::{Interval, Thermal};
 
 /// Any way is short enough \[bits\].
 const ANY: i32 = f32::MAX.to_bits() as i32;
-
-/// The number of plays of a table.
-pub const PLAYS: usize = 2;
 
 /// A play (backlash): a temperature drags a contact along, as through a slot.
 ///

@@ -1,9 +1,11 @@
 //! Settings of the thermal path, and what follows from them.
 
 use crate::error::is_within;
-use crate::history::PLAYS;
 use crate::sign::magnitude;
 use crate::{Status, TableError};
+
+/// The number of plays of a table.
+pub const PLAYS: usize = 2;
 
 /// Physical settings of the thermal path, as the fit used them and the firmware must.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,7 +1,7 @@
 //! The coefficient table: the bias model as cells of equal width over the calibrated range.
 
 use crate::error::is_within;
-use crate::history::PLAYS;
+use crate::settings::PLAYS;
 use crate::terms::are_usable;
 use crate::thermal::clamp;
 use crate::{Status, TableError, Terms, Thermal, ThermalPoint};

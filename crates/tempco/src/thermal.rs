@@ -4,7 +4,8 @@ use core::hint::select_unpredictable;
 
 use crate::conditioner::Conditioner;
 use crate::estimator::RateEstimator;
-use crate::history::{PLAYS, PlayState, SecondLagState};
+use crate::history::{PlayState, SecondLagState};
+use crate::settings::PLAYS;
 use crate::sign::{Sign, limit, magnitude};
 use crate::{Interval, Status, Thermal};
 
