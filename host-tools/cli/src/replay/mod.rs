@@ -133,9 +133,7 @@ impl Replay<'_> {
     /// The rows of the log as the firmware takes them, with thermal updates where `apply` has them.
     fn samples<const C: usize, const A: usize>(&self) -> impl Iterator<Item = Sample<C, A>> {
         let (inputs, log) = (self.inputs, self.log);
-        let first_s = log.time_s.first().copied().unwrap_or(0.0);
-        let period_s = self.set.thermal_period_s(log.interval_s);
-        let mut updates = Updates::new(first_s, log.interval_s, period_s);
+        let mut updates = Updates::of_log(log, self.set.thermal_period_s(log.interval_s));
         log.time_s
             .iter()
             .enumerate()

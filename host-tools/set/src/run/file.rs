@@ -48,11 +48,7 @@ pub fn apply_to_file(
             };
             let period_s = set.thermal_period_s(log.interval_s);
             let updates = updates.get_or_insert(Updates::new(first_s, log.interval_s, period_s));
-            let updates_s: Vec<_> = chunk
-                .time_s
-                .iter()
-                .map(|&time_s| updates.due(time_s))
-                .collect();
+            let updates_s = updates.of_rows(&chunk.time_s);
             for (axis, factor) in chunk.axes.iter_mut().zip(&factors) {
                 axis.iter_mut().for_each(|value| *value *= factor);
             }

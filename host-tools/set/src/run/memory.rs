@@ -12,16 +12,9 @@ use crate::CoefficientSet;
 /// # Errors
 /// A log without an axis or temperature of the set, or with another unit.
 pub fn apply(set: &CoefficientSet, log: &Log) -> Result<Applied, ApplyError> {
-    let first_s = log.time_s.first().copied().unwrap_or(0.0);
-    let period_s = set.thermal_period_s(log.interval_s);
-    let mut updates = Updates::new(first_s, log.interval_s, period_s);
-    let updates_s: Vec<_> = log
-        .time_s
-        .iter()
-        .map(|&time_s| updates.due(time_s))
-        .collect();
+    let mut updates = Updates::of_log(log, set.thermal_period_s(log.interval_s));
     let rows = Rows {
-        updates_s: &updates_s,
+        updates_s: &updates.of_rows(&log.time_s),
         channels: inputs(set, log)?,
     };
     Ok(with_compensators(set, |step| step(&rows))?)

@@ -19,8 +19,7 @@ pub fn thermal_points(log: &Log, channel: usize, thermal: &Thermal) -> Vec<Therm
     let mut state = ThermalState::new(thermal);
     let mut point = state.start(thermal, temps_c[0]);
     let mut intervals = IntervalCache::new(thermal, 0.0);
-    let period_s = thermal_period_s(log.interval_s);
-    let mut updates = Updates::new(log.time_s[0], log.interval_s, period_s);
+    let mut updates = Updates::of_log(log, thermal_period_s(log.interval_s));
     let rows = log.time_s.iter().zip(temps_c);
     let points = rows.map(|(&time_s, &temp_c)| {
         if let Some(dt_s) = updates.due(time_s) {

@@ -1,5 +1,7 @@
 //! Which rows of a log are thermal updates.
 
+use tempco_log::Log;
+
 /// A unit samples its temperature ten times a second at most \[s\].
 const LEAST_PERIOD_S: f64 = 0.1;
 
@@ -39,6 +41,17 @@ impl Updates {
             },
             last_s: first_s - rows * interval_s,
         }
+    }
+
+    /// Before the first row of a log in memory.
+    pub fn of_log(log: &Log, period_s: f64) -> Self {
+        let first_s = log.time_s.first().copied().unwrap_or(0.0);
+        Self::new(first_s, log.interval_s, period_s)
+    }
+
+    /// For each of the next rows, what [`due`](Self::due) says of it.
+    pub(super) fn of_rows(&mut self, time_s: &[f64]) -> Vec<Option<f32>> {
+        time_s.iter().map(|&time_s| self.due(time_s)).collect()
     }
 
     /// The time since the last update \[s\], if the row at `time_s` is one.
