@@ -96,6 +96,11 @@ impl ThermalSettings {
         play_start_min: 0.0,
         least_divisor: 0.0,
     };
+
+    /// Whether there is a second lag.
+    pub const fn has_lag2(&self) -> bool {
+        self.lag2_min_c < 0.0 || self.lag2_max_c > 0.0
+    }
 }
 
 /// Conversions to and from arrays, of the settings in the order in which they are declared.
@@ -234,7 +239,7 @@ impl Thermal {
         check!(play_kappa2, -2.0, 2.0);
         check!(play_start_min, -1e3, 1e3);
         check!(least_divisor, 0.0, 1.0);
-        let has_lag2 = s.lag2_min_c < 0.0 || s.lag2_max_c > 0.0;
+        let has_lag2 = s.has_lag2();
         let least_memory = LEAST_MEMORY_S / s.tau_s;
         let least_memory = if least_memory > s.least_divisor {
             least_memory

@@ -168,7 +168,7 @@ fn show_channel(number: usize, channel: &Channel, in_full: bool) -> Result<()> {
             gains.collect::<Vec<_>>().join(", ")
         ))?;
     }
-    if s.lag2_min_c < 0.0 || s.lag2_max_c > 0.0 {
+    if s.has_lag2() {
         print_wrapped(&format!(
             "second lag: tau {} s, {} to {} degC",
             s.tau2_s, s.lag2_min_c, s.lag2_max_c

@@ -101,7 +101,7 @@ impl TableData {
 
     /// Whether the table has a second lag.
     pub fn has_second_lag(&self) -> bool {
-        self.thermal.lag2_min_c < 0.0 || self.thermal.lag2_max_c > 0.0
+        self.thermal.has_lag2()
     }
 
     /// Whether the table has plays or a second lag.

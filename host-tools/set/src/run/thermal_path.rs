@@ -59,8 +59,7 @@ impl IntervalCache {
 /// # Errors
 /// Settings that the core refuses.
 pub fn with_every_rate(settings: ThermalSettings) -> Result<Thermal, TableError> {
-    let has_lag2 = settings.lag2_min_c < 0.0 || settings.lag2_max_c > 0.0;
-    let lag2_c = if has_lag2 { 1e3 } else { 0.0 };
+    let lag2_c = if settings.has_lag2() { 1e3 } else { 0.0 };
     Thermal::new(ThermalSettings {
         rate_min_c_per_min: -1e4,
         rate_max_c_per_min: 1e4,
