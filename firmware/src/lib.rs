@@ -28,6 +28,7 @@ pub mod idle;
     )
 ))]
 mod logger;
+pub mod queue;
 #[cfg(all(target_os = "none", feature = "application"))]
 pub mod reset;
 #[cfg(all(target_os = "none", feature = "application"))]

@@ -2,9 +2,10 @@
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
-use heapless::spsc::{Consumer, Producer, Queue};
 use tempco::{BiasRamp, RampBuffer, Status};
 use tempco_link::Losses;
+
+use crate::queue::{Consumer, Producer, Queue};
 
 /// Moments that may wait for the main loop: 63 ms at 2 kHz, more than a pass ever takes but for
 /// one that erases flash.
@@ -96,9 +97,9 @@ pub struct Exchange<const C: usize, const A: usize> {
 pub struct InterruptEnds<'q, const C: usize, const A: usize> {
     pub(super) ramps: &'q [RampBuffer<A>; C],
     pub(super) replay_ramps: &'q [RampBuffer<A>; C],
-    pub(super) moments: Producer<'q, Moment<C, A>>,
-    pub(super) injected: Consumer<'q, [[f32; A]; C]>,
-    pub(super) replies: Producer<'q, Reply<C, A>>,
+    pub(super) moments: Producer<'q, Moment<C, A>, MOMENTS>,
+    pub(super) injected: Consumer<'q, [[f32; A]; C], INJECTED>,
+    pub(super) replies: Producer<'q, Reply<C, A>, INJECTED>,
     pub(super) counts: &'q Counts,
 }
 
@@ -106,9 +107,9 @@ pub struct InterruptEnds<'q, const C: usize, const A: usize> {
 pub struct MainEnds<'q, const C: usize, const A: usize> {
     pub(super) ramps: &'q [RampBuffer<A>; C],
     pub(super) replay_ramps: &'q [RampBuffer<A>; C],
-    pub(super) moments: Consumer<'q, Moment<C, A>>,
-    pub(super) injected: Producer<'q, [[f32; A]; C]>,
-    pub(super) replies: Consumer<'q, Reply<C, A>>,
+    pub(super) moments: Consumer<'q, Moment<C, A>, MOMENTS>,
+    pub(super) injected: Producer<'q, [[f32; A]; C], INJECTED>,
+    pub(super) replies: Consumer<'q, Reply<C, A>, INJECTED>,
     pub(super) counts: &'q Counts,
 }
 

@@ -77,8 +77,7 @@ where
             let raw = core::array::from_fn(|_| {
                 core::array::from_fn(|_| values.next().unwrap_or(f32::NAN))
             });
-            // Cannot fail: the queue has room for a block, and is empty between two.
-            _ = self.ends.injected.enqueue(raw);
+            self.inject(raw);
         }
         let points = self.points(self.replay_thermal.as_ref());
         self.block.clear();
@@ -107,6 +106,14 @@ where
             compensated: &self.block,
             crc: crc.finish(),
         })
+    }
+
+    /// Hands a sample to the interrupt. Out of line, since the compiler would make the loop of the
+    /// caller twice, once for a queue of another length.
+    #[inline(never)]
+    fn inject(&mut self, raw: [[f32; A]; C]) {
+        // Cannot fail: the queue has room for a block, and is empty between two.
+        _ = self.ends.injected.enqueue(raw);
     }
 
     /// What the interrupt made of the next injected sample; none if it did not come in time.

@@ -5,10 +5,10 @@ use core::convert::Infallible;
 
 use critical_section::Mutex;
 use embedded_io::{ErrorType, Read, ReadReady, Write};
-use heapless::spsc::{Consumer, Producer, Queue};
 
 use super::interrupts::interrupt;
 use super::registers::{self, UartRegisters};
+use crate::queue::{Consumer, Producer, Queue};
 
 /// Bytes that may wait for the main loop: 5 ms at 921600 baud.
 const RECEIVED: usize = 512;
@@ -28,14 +28,14 @@ const RX_INTERRUPT_CLEAR: u32 = 2;
 /// A UART, as the main loop sees it.
 pub struct Uart {
     registers: &'static UartRegisters,
-    received: Consumer<'static, u8>,
+    received: Consumer<'static, u8, RECEIVED>,
 }
 
 /// The receiving side, in its interrupt.
 struct Receiver {
     /// A function, since a reference to registers cannot be handed to an interrupt.
     registers: fn() -> &'static UartRegisters,
-    received: Producer<'static, u8>,
+    received: Producer<'static, u8, RECEIVED>,
 }
 
 type Slot = Mutex<Cell<Option<Receiver>>>;

@@ -10,12 +10,12 @@ use cortex_m::peripheral::NVIC;
 use cortex_m_rt::exception;
 use critical_section::Mutex;
 use embedded_io::{ErrorType, Read, ReadReady, Write};
-use heapless::spsc::{Consumer, Producer, Queue};
 use tempco::Status;
 use tempco_link::FaultSet;
 use tempco_sensors::SensorFault;
 
 use crate::board::mps2_an386::nor::{self, Nor};
+use crate::queue::{Consumer, Producer, Queue};
 use crate::reset::{self, Reason};
 use crate::unit::devices::{AtRest, Devices, Gyro, ResetCause, Thermometers, Watchdog};
 
@@ -140,13 +140,14 @@ unsafe fn NonMaskableInt() -> ! {
 }
 
 /// Bytes that may wait for the main loop: 5 ms at 921600 baud.
-type Received = Queue<u8, 512>;
+const WAITING: usize = 512;
 
 /// From the interrupt to the main loop.
-static RECEIVED: Mutex<RefCell<Option<Producer<'static, u8>>>> = Mutex::new(RefCell::new(None));
+static RECEIVED: Mutex<RefCell<Option<Producer<'static, u8, WAITING>>>> =
+    Mutex::new(RefCell::new(None));
 
 /// The link: a UART that is received by interrupt.
-pub struct Line(Consumer<'static, u8>);
+pub struct Line(Consumer<'static, u8, WAITING>);
 
 /// The UART's receive interrupt.
 #[derive(Clone, Copy)]
@@ -162,7 +163,7 @@ unsafe impl InterruptNumber for ReceiveInterrupt {
 
 impl Line {
     fn start(core: &mut Peripherals) -> Option<Self> {
-        let queue = cortex_m::singleton!(: Received = Queue::new())?;
+        let queue = cortex_m::singleton!(: Queue<u8, WAITING> = Queue::new())?;
         let (producer, consumer) = queue.split();
         critical_section::with(|cs| RECEIVED.replace(cs, Some(producer)));
         Register::UartDivider.write(CLOCK_HZ / BAUD);

@@ -13,7 +13,6 @@ use core::sync::atomic::{AtomicU32, Ordering};
 use cortex_m::interrupt::{self as critical, Mutex};
 use cortex_m::peripheral::NVIC;
 use embedded_io::{ErrorType, Read, ReadReady, Write};
-use heapless::spsc::{Consumer, Producer, Queue};
 use stm32f4xx_hal::block;
 use stm32f4xx_hal::gpio::{PA9, PA10};
 use stm32f4xx_hal::nb;
@@ -21,6 +20,8 @@ use stm32f4xx_hal::pac::{Interrupt, USART1, interrupt};
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Rcc;
 use stm32f4xx_hal::serial::{Config, Error, Rx, Serial, Tx};
+
+use crate::queue::{Consumer, Producer, Queue};
 
 const BAUD: u32 = 921_600;
 
@@ -47,13 +48,13 @@ static RECEIVER: Mutex<RefCell<Option<Receiver>>> = Mutex::new(RefCell::new(None
 
 struct Receiver {
     rx: Rx<USART1>,
-    queue: Producer<'static, u8>,
+    queue: Producer<'static, u8, QUEUE>,
 }
 
 /// The main loop's end of the link.
 pub struct Usart {
     tx: Tx<USART1>,
-    queue: Consumer<'static, u8>,
+    queue: Consumer<'static, u8, QUEUE>,
 }
 
 impl Usart {
