@@ -59,17 +59,17 @@ impl SampleClock for SysTick {
 
     fn sleep(&self) -> u32 {
         // With interrupts held back, so that their time does not count as asleep.
-        cortex_m::interrupt::free(|_| {
+        let (before, after) = cortex_m::interrupt::free(|_| {
             let before = SYST::get_current();
             chosen::idle();
-            let after = SYST::get_current();
-            // It counts down, and at most once to zero.
-            if after <= before {
-                before - after
-            } else {
-                before + PERIOD - after
-            }
-        })
+            (before, SYST::get_current())
+        });
+        // It counts down, and at most once to zero.
+        if after <= before {
+            before - after
+        } else {
+            before + PERIOD - after
+        }
     }
 
     fn free_running(&self) -> u32 {
