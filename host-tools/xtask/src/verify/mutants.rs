@@ -27,7 +27,7 @@ const CONSTRUCTOR: &str = "fn new(";
 const RAW_CONSTRUCTOR: &str = "fn r#new(";
 
 /// The tests that catch most. Building all of them for every mutant would take twice as long.
-const FIRST_TESTS: [&str; 5] = ["--lib", "--test", "limits", "--test", "faults"];
+const FIRST_TESTS: [&str; 3] = ["--lib", "--test=limits", "--test=faults"];
 const ALL_TESTS: [&str; 2] = ["--lib", "--tests"];
 
 pub(super) fn caught(workspace: &Workspace) -> Result<Measured> {
@@ -44,7 +44,9 @@ pub(super) fn caught(workspace: &Workspace) -> Result<Measured> {
 
     let run = |tests: &[&str]| {
         let mut command = command(workspace, &source, &folder);
-        complete(command.args(tests))?;
+        // As arguments of cargo, not of its tests: these would be built all the same.
+        command.args(tests.iter().map(|test| format!("--cargo-arg={test}")));
+        complete(&mut command)?;
         Report::read(&folder.join("mutants.out"))
     };
     let first = run(&FIRST_TESTS)?;
@@ -85,7 +87,7 @@ fn expose_constructors(folder: &Path) -> Result<usize> {
     Ok(count)
 }
 
-/// Tries what earlier runs of this command did not catch; what comes next are options for the tests.
+/// Tries what earlier runs of this command did not catch.
 fn command(workspace: &Workspace, source: &Path, folder: &Path) -> Command {
     let mut command = cargo(workspace, &["mutants", "--package", "tempco", "--iterate"]);
     command.arg("--dir").arg(source).arg("--output").arg(folder);
@@ -100,7 +102,7 @@ fn command(workspace: &Workspace, source: &Path, folder: &Path) -> Command {
     command.arg("--cargo-arg=--config=profile.dev.package.'*'.opt-level=1");
     // Each job builds in the folder of its own copy.
     command.env_remove("CARGO_TARGET_DIR");
-    command.args(["--", "--locked"]);
+    command.arg("--cargo-arg=--locked");
     command
 }
 
