@@ -294,6 +294,18 @@ mod tests {
         assert_eq!((ramps.end(&passed, 0), ramps.slope(&passed, 0)), (-7, 3));
     }
 
+    #[test]
+    fn an_early_ramp_is_flagged_also_once_the_next_one_is_late() {
+        let ramps = RampBuffer::<1>::new();
+        ramps.publish(&ramp(3.0, 10));
+        ramps.publish(&ramp(3.0, 10));
+        let mut corrector = Corrector::new(&ramps);
+        for _ in 0..30 {
+            corrector.correct([0.0]);
+            assert_eq!(corrector.status(), Status::INTERVAL_INVALID);
+        }
+    }
+
     /// The counters stop where they say all they have to.
     #[test]
     fn a_ramp_that_is_late_for_ever_stays_late() {

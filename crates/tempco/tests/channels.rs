@@ -82,3 +82,14 @@ fn a_step_of_time_is_what_it_is_said_to_be() {
     assert_eq!(one.points(), [half.point()]);
     assert_eq!(one.rejected(), 1);
 }
+
+#[test]
+fn rejections_of_all_channels_are_counted_together() {
+    let tables = [table(60.0), table(60.0)];
+    let mut channels = ThermalChannels::new(&tables, 200);
+    channels.update(0.1, &[25.0; 2]);
+    assert_eq!(channels.rejected(), 0);
+    channels.update(0.1, &[90.0, 25.0]);
+    channels.update(0.1, &[90.0; 2]);
+    assert_eq!(channels.rejected(), 3);
+}
