@@ -200,5 +200,6 @@ mod tests {
             dropped.drop_tiny();
             assert_eq!(dropped.update(&thermal, &second, temp_c), point);
         }
+        assert_ne!(dropped, state, "something was dropped");
     }
 }
