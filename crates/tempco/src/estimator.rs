@@ -241,6 +241,18 @@ mod tests {
         assert!(left_out[0] != 0.0 && left_out[1] == 0.0, "{left_out:?}");
     }
 
+    #[test]
+    fn what_may_still_count_is_not_dropped() {
+        let thermal = Thermal::new(ThermalSettings::DEFAULT).unwrap();
+        for (value, remainder) in [(1.0, 1e-20), (0.5, 1e-35)] {
+            let memory = Filter { value, remainder };
+            let mut estimator = RateEstimator::new(&thermal, 25.0);
+            estimator.memory = memory;
+            estimator.drop_tiny();
+            assert_eq!(estimator.memory, memory);
+        }
+    }
+
     /// Newton's method by one step per update gets there whatever intervals come, in whatever
     /// order, and is never out of bounds on the way.
     #[test]

@@ -131,6 +131,10 @@ fn faults_after_which_the_sensor_is_right_again_are_no_jump() {
             assert!(!path.has_jumped(readings.chain([20.0 + moved; 300])));
         }
     }
+    // A spike before the loss, and a part that has moved meanwhile.
+    let mut path = Path::new(SETTINGS, 1.0, 20.0);
+    let spike = std::iter::once(120.0);
+    assert!(!path.has_jumped(spike.chain(missing(90)).chain([40.0; 300])));
     // Spikes, one or several, on a ramp.
     let mut path = Path::new(SETTINGS, 1.0, 20.0);
     let spoilt = |s: i32| {
