@@ -45,7 +45,6 @@ impl ThermalState {
     pub const fn new(thermal: &Thermal) -> Self {
         let reference_c = thermal.settings.reference_c;
         Self {
-            conditioner: Conditioner::new(reference_c),
             weight: 0.0,
             ..Self::at(thermal, reference_c)
         }

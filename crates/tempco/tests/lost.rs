@@ -435,3 +435,16 @@ fn plays_stand_still_until_a_reading_is_accepted() {
     assert_eq!(after.plays_c, before.plays_c);
     assert!(after.plays_c != [0.0; PLAYS]);
 }
+
+/// Before the first temperature nothing counts, so nothing is left to fade out when it comes soon.
+#[test]
+fn the_rate_fades_in_after_a_late_first_temperature() {
+    let thermal = thermal(ThermalSettings::DEFAULT);
+    let second = Interval::new(&thermal, 1.0);
+    let mut state = ThermalState::new(&thermal);
+    state.update(&thermal, &second, f32::NAN);
+    let readings = (0..12).map(|s| 20.0 + 0.1 * s as f32);
+    let points = readings.map(|temp| state.update(&thermal, &second, temp));
+    let rate = points.last().unwrap().rate_c_per_min;
+    assert!(rate > 0.0 && rate < 0.06 * 6.0, "{rate}");
+}
