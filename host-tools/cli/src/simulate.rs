@@ -24,6 +24,9 @@ pub(crate) struct Args {
     /// The chamber profile: a name from --list, or a TOML file
     #[arg(long, value_name = "NAME|FILE.toml", required_unless_present_any = ["list", "show"])]
     profile: Option<String>,
+    /// Simulate another unit of this kind: time constants, curves and sensitivities drawn from a seed
+    #[arg(long, value_name = "SEED")]
+    draw: Option<u64>,
     /// Seed of all noise; the same seed gives the same bytes
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -86,6 +89,10 @@ fn simulate(args: &Args, unit: &str, profile: &str, out: &Path) -> Result<()> {
     let unit = match unit {
         file if is_file(file) => Unit::read(Path::new(file))?,
         name => Unit::named(name)?,
+    };
+    let unit = match args.draw {
+        Some(seed) => unit.redrawn(seed),
+        None => unit,
     };
     let profile = match profile {
         file if is_file(file) => Profile::read(Path::new(file))?,

@@ -6,7 +6,8 @@ use serde::Deserialize;
 
 use crate::check::{Invalid, Range, element};
 use crate::events::{Fault, Motion};
-use crate::step::{Course, Leg, Legs, Step};
+use crate::legs::{Course, Leg, Legs};
+use crate::step::Step;
 
 /// Air temperatures a profile may ask for, degC.
 ///

@@ -19,6 +19,12 @@ pub(crate) enum Stream {
     Tone(usize),
     /// Which rows are lost.
     Rows,
+    /// Heat flow and sensor of a unit that is drawn.
+    DrawnHeat,
+    /// An axis of a unit that is drawn.
+    DrawnAxis(usize),
+    /// Air that wanders.
+    Wander,
 }
 
 impl Stream {
@@ -30,6 +36,9 @@ impl Stream {
             Self::AngleNoise(axis) => 4 + axis as u64,
             Self::Drift(axis) => 7 + axis as u64,
             Self::Rows => 10,
+            Self::DrawnHeat => 11,
+            Self::DrawnAxis(axis) => 12 + axis as u64,
+            Self::Wander => 15,
             Self::Tone(tone) => 100 + tone as u64,
         }
     }
@@ -80,6 +89,21 @@ impl NormalSource {
     pub(crate) fn symmetric(&mut self) -> f64 {
         const STEP: f64 = 1.0 / (1_u64 << 52) as f64;
         (self.generator.next_u64() >> 11) as f64 * STEP - 1.0
+    }
+
+    /// Uniform between two numbers.
+    pub(crate) fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + 0.5 * (self.symmetric() + 1.0) * (high - low)
+    }
+
+    /// Between two positive numbers, the logarithm uniform.
+    pub(crate) fn log_between(&mut self, low: f64, high: f64) -> f64 {
+        libm::exp(self.between(libm::log(low), libm::log(high)))
+    }
+
+    /// 1 or -1.
+    pub(crate) fn sign(&mut self) -> f64 {
+        1.0_f64.copysign(self.symmetric())
     }
 }
 
@@ -134,6 +158,10 @@ mod tests {
             Stream::Drift(0),
             Stream::Drift(2),
             Stream::Rows,
+            Stream::DrawnHeat,
+            Stream::DrawnAxis(0),
+            Stream::DrawnAxis(2),
+            Stream::Wander,
             Stream::Tone(0),
         ];
         for (index, stream) in streams.into_iter().enumerate() {

@@ -3,6 +3,8 @@
 use crate::chamber::Profile;
 use crate::error::UnknownName;
 use crate::file;
+use crate::step::Step;
+use crate::wander::Wander;
 
 /// Names that [`Profile::named`] accepts.
 pub const PROFILES: &[&str] = &[
@@ -15,9 +17,10 @@ pub const PROFILES: &[&str] = &[
     "cold_start",
     "rest",
     "faults",
+    "wandering",
 ];
 
-const FILES: [&str; 9] = [
+const FILES: [&str; 10] = [
     include_str!("../profiles/calibration.toml"),
     include_str!("../profiles/verification.toml"),
     include_str!("../profiles/static.toml"),
@@ -27,6 +30,7 @@ const FILES: [&str; 9] = [
     include_str!("../profiles/cold_start.toml"),
     include_str!("../profiles/rest.toml"),
     include_str!("../profiles/faults.toml"),
+    include_str!("../profiles/wandering.toml"),
 ];
 
 impl Profile {
@@ -57,6 +61,7 @@ impl Profile {
     /// | `cold_start` | power on at -20 degC, then to 20 degC | 1 | 3 h |
     /// | `rest` | 25 degC | 0 | 2 h |
     /// | `faults` | 10 to 50 degC, with faults and motion | 0.5, 1 | 4 h |
+    /// | `wandering` | -12 to 77 degC, ramps at random with many minor loops | 0.2 to 2.5 | 12 h |
     ///
     /// # Errors
     ///
@@ -65,12 +70,25 @@ impl Profile {
         let profile = file::profile(name, Self::source(name)?);
         Ok(profile.expect("the profiles of this crate are valid"))
     }
+
+    /// The profile `wandering` with another seed of its course, named after the seed.
+    pub fn wandering(seed: u64) -> Self {
+        let named = Self::named("wandering").expect("`wandering` is a named profile");
+        let mut parts = named.parts().clone();
+        for step in &mut parts.step {
+            if let Step::Random(wander) = step {
+                *wander = Wander { seed, ..*wander };
+            }
+        }
+        let profile = Self::from_parts(&format!("wandering-{seed}"), parts);
+        profile.expect("every seed gives a valid profile")
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::step::{Course, Step};
+    use crate::legs::Course;
 
     fn named(name: &str) -> Profile {
         Profile::named(name).unwrap()
@@ -129,7 +147,7 @@ mod tests {
         assert_eq!(
             error.to_string(),
             "unknown profile `calibartion`, expected one of: calibration, verification, static, short, \
-             cycles, swing, cold_start, rest, faults"
+             cycles, swing, cold_start, rest, faults, wandering"
         );
     }
 
@@ -145,6 +163,7 @@ mod tests {
             ("cold_start", 3.0),
             ("rest", 2.0),
             ("faults", 4.0),
+            ("wandering", 12.0),
         ] {
             let actual = duration_h(name);
             assert!((actual - hours).abs() < 0.05, "{name}: {actual} h");
@@ -168,6 +187,20 @@ mod tests {
             assert!((low - low_c).abs() < 1e-9, "{name}: {low} degC");
             assert!((high - high_c).abs() < 1e-9, "{name}: {high} degC");
         }
+    }
+
+    #[test]
+    fn every_seed_wanders_on_a_course_of_its_own() {
+        for seed in 0..30 {
+            let profile = Profile::wandering(seed);
+            assert!(
+                (profile.duration_s() / 3600.0 - 12.0).abs() < 0.05,
+                "{seed}"
+            );
+            assert_eq!(profile, Profile::wandering(seed));
+            assert_ne!(profile.legs(), Profile::wandering(seed + 1).legs());
+        }
+        assert_eq!(Profile::wandering(1).parts(), named("wandering").parts());
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! The exact solution of the equations of heat flow, step by step.
 
 use crate::expm::exp_of_flow;
-use crate::step::Course;
+use crate::legs::Course;
 use crate::thermal::{NODES, ThermalNetwork, ThermalState};
 
 /// Moves a [`ThermalState`] over one fixed time, exactly, while the air follows one [`Course`].
