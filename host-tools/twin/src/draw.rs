@@ -83,12 +83,14 @@ fn redraw_axis(axis: &mut Axis, random: &mut NormalSource) {
         spacing_c,
         overlap_c,
         step,
+        slope_per_c,
     }) = &mut axis.modes
     {
         let factor = size(random);
         *spacing_c *= factor;
         *overlap_c *= factor;
         *step *= random.sign() * gain(random);
+        *slope_per_c *= random.sign() * gain(random);
     }
 }
 

@@ -27,7 +27,8 @@ pub struct Play {
 /// The control keeps the laser on one longitudinal mode while the block expands, until its
 /// transducer is at the end of its travel; then it moves to the next mode, and the bias steps. Modes
 /// are `spacing_c` apart; the control stays on one until `overlap_c` beyond the middle between two.
-/// Every other mode has the bias of the step.
+/// Every other mode has the bias of the step. Within a mode the bias may drift with the temperature;
+/// a hop then takes it back, and over several modes it is a sawtooth.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ModeSteps {
@@ -36,7 +37,11 @@ pub struct ModeSteps {
     /// How far beyond the middle between two modes the control stays, degC; below half the spacing.
     pub overlap_c: f64,
     /// Bias of every other mode, rate unit.
+    #[serde(default)]
     pub step: f64,
+    /// Bias per degC from the middle of the mode, rate unit per degC.
+    #[serde(default)]
+    pub slope_per_c: f64,
 }
 
 impl Play {
@@ -50,7 +55,8 @@ impl ModeSteps {
     pub(crate) fn check(&self) -> Result<(), Invalid> {
         Range::new(0.1, 300.0).check("spacing_c", self.spacing_c)?;
         Range::new(0.0, 0.499 * self.spacing_c).check("overlap_c", self.overlap_c)?;
-        Range::SIGNED.check("step", self.step)
+        Range::SIGNED.check("step", self.step)?;
+        Range::SIGNED.check("slope_per_c", self.slope_per_c)
     }
 }
 
@@ -102,11 +108,13 @@ impl ModeState {
         }
         // Halves of even numbers are whole.
         let half = 0.5 * self.mode;
-        if half.floor() == half {
+        let step = if half.floor() == half {
             0.0
         } else {
             self.modes.step
-        }
+        };
+        let from_middle_c = temperature_c - self.mode * self.modes.spacing_c;
+        step + self.modes.slope_per_c * from_middle_c
     }
 }
 
@@ -215,6 +223,7 @@ mod tests {
             spacing_c: 20.0,
             overlap_c: 3.0,
             step: 0.5,
+            slope_per_c: 0.0,
         };
         let mut state = ModeState::new(modes, 1.0);
         let mut steps = Vec::new();
@@ -238,5 +247,28 @@ mod tests {
                 (6.0, 0.0)
             ]
         );
+    }
+
+    #[test]
+    fn a_slope_within_modes_makes_a_sawtooth() {
+        let modes = ModeSteps {
+            spacing_c: 20.0,
+            overlap_c: 3.0,
+            step: 0.0,
+            slope_per_c: 0.1,
+        };
+        let mut state = ModeState::new(modes, 0.0);
+        for (temperature_c, expected) in [
+            (0.0, 0.0),
+            (13.0, 1.3),
+            (14.0, -0.6),
+            (33.0, 1.3),
+            (34.0, -0.6),
+            (27.0, -1.3),
+            (26.0, 0.6),
+        ] {
+            let found = state.follow(temperature_c);
+            assert!((found - expected).abs() < 1e-12, "{temperature_c}: {found}");
+        }
     }
 }

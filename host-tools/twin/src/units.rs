@@ -13,9 +13,13 @@ pub const UNITS: &[&str] = &[
     "ln100",
     "mems",
     "fog",
+    "gradient",
+    "mode_hops",
+    "fibre",
+    "loop",
 ];
 
-const FILES: [&str; 7] = [
+const FILES: [&str; 11] = [
     include_str!("../units/paper.toml"),
     include_str!("../units/smooth.toml"),
     include_str!("../units/wavy.toml"),
@@ -23,6 +27,10 @@ const FILES: [&str; 7] = [
     include_str!("../units/ln100.toml"),
     include_str!("../units/mems.toml"),
     include_str!("../units/fog.toml"),
+    include_str!("../units/gradient.toml"),
+    include_str!("../units/mode_hops.toml"),
+    include_str!("../units/fibre.toml"),
+    include_str!("../units/loop.toml"),
 ];
 
 impl Unit {
@@ -51,6 +59,10 @@ impl Unit {
     /// | `ln100` | noise as measured on a navigation-grade ring laser unit at 64 Hz |
     /// | `mems` | a MEMS gyro with rate output in deg/s and a thermometer of whole degrees |
     /// | `fog` | a fibre-optic gyro with rate output in deg/h and a large rate sensitivity |
+    /// | `gradient` | a ring laser gyro far behind its thermometer: gradient from case to cavity, self-heating |
+    /// | `mode_hops` | a ring laser gyro whose bias drifts within a mode and steps back at each hop |
+    /// | `fibre` | a fibre-optic gyro with its thermometer at the hub, behind the coil |
+    /// | `loop` | a ring laser gyro with hysteresis as large as its curves, long lags, no mode steps |
     ///
     /// # Errors
     ///
@@ -75,7 +87,8 @@ mod tests {
         let error = Unit::named("Paper").unwrap_err();
         assert_eq!(
             error.to_string(),
-            "unknown unit `Paper`, expected one of: paper, smooth, wavy, hysteretic, ln100, mems, fog"
+            "unknown unit `Paper`, expected one of: paper, smooth, wavy, hysteretic, ln100, mems, fog, \
+             gradient, mode_hops, fibre, loop"
         );
     }
 }

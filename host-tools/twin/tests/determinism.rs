@@ -34,6 +34,22 @@ const HASHES: &[(&str, &str)] = &[
         "fog",
         "0bf73edbea62a5e78be7472de825a2186b03e512c27ee52107554c367ca2c44b",
     ),
+    (
+        "gradient",
+        "8dbf08eeb6ba63ec460ebbe1e2baf3d4a56b8df3fac0e82cbf18a2a18820bfc8",
+    ),
+    (
+        "mode_hops",
+        "39da2bf30802f29cf7253d2d83f28b0377eb2581d9fca5a65ec1c7b42fead4a1",
+    ),
+    (
+        "fibre",
+        "6f9c1cfa0ec9af8d6a914e7c9df3e50062cfe06ed5a8cc89d3dd6fb89a429d80",
+    ),
+    (
+        "loop",
+        "55ba4446b15a8bd084f60df6c5023aa52096ae3f0d95f90608bdd9001041f039",
+    ),
 ];
 
 fn hash(unit: &str) -> String {

@@ -26,7 +26,8 @@ fn time_constant() -> BoxedStrategy<f64> {
 prop_compose! {
     fn axis()(
         coefficients in prop::collection::vec(signed(), 1..=32),
-        [rate, gradient, gain, step] in [signed(), signed(), signed(), signed()],
+        [rate, gradient, gain, step, slope_per_c] in
+            [signed(), signed(), signed(), signed(), signed()],
         slope in between(-1.0, 1.0),
         half_width_c in between(1e-6, 300.0),
         spacing_c in between(0.1, 300.0),
@@ -42,7 +43,7 @@ prop_compose! {
             rate_sensitivity_slope_per_c: slope,
             gradient_sensitivity: gradient,
             play: vec![Play { half_width_c, gain }; 2],
-            modes: Some(ModeSteps { spacing_c, overlap_c: 0.2 * spacing_c, step }),
+            modes: Some(ModeSteps { spacing_c, overlap_c: 0.2 * spacing_c, step, slope_per_c }),
             drift: Drift { turn_on_sigma, bias_instability, rate_random_walk },
             noise: GyroNoise { angle_random_walk: walk, angle_white_noise: white },
         }
