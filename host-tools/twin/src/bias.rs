@@ -61,6 +61,13 @@ impl ThermalBiases {
         }
     }
 
+    /// Power comes on: the path-length control takes the mode nearest to the temperature.
+    pub(crate) fn power_on(&mut self, state: &ThermalState) {
+        for (axis, cavity_c) in self.axes.iter_mut().zip(state.cavity_c()) {
+            axis.mode = axis.axis.modes.map(|modes| ModeState::new(modes, cavity_c));
+        }
+    }
+
     /// Bias of each axis, rate unit.
     pub(crate) fn follow(&mut self, state: &ThermalState) -> [f64; 3] {
         let rate_c_per_min = self.network.cavity_rate_c_per_min(state);
@@ -97,5 +104,20 @@ mod tests {
         let mut bias = ThermalBias::new(&axis, 30.0);
         let part = bias.follow(30.0, 0.0, 34.0) - bias.follow(30.0, 0.0, 30.0);
         assert!((part - 0.04).abs() < 1e-15);
+    }
+
+    #[test]
+    fn power_takes_the_nearest_mode() {
+        let unit = Unit::named("mode_hops").unwrap();
+        let at = |temperature_c: f64| unit.thermal.unpowered().at_rest(temperature_c);
+        let mut biases = ThermalBiases::new(&unit, &at(-15.0));
+        // Modes of X are 22 degC apart, and the one at -22 degC reaches up to -7 degC.
+        let kept = biases.follow(&at(-9.5))[0];
+        biases.power_on(&at(-9.5));
+        let taken = biases.follow(&at(-9.5))[0];
+        assert!(
+            (kept - taken - 22.0 * 0.0018).abs() < 1e-12,
+            "{kept} {taken}"
+        );
     }
 }

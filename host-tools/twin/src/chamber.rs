@@ -4,21 +4,15 @@ use core::ops::RangeInclusive;
 
 use serde::Deserialize;
 
+use crate::air::Air;
 use crate::check::{Invalid, Range, element};
 use crate::events::{Fault, Motion};
-use crate::legs::{Course, Leg, Legs};
 use crate::step::Step;
 
 /// Air temperatures a profile may ask for, degC.
 ///
 /// Wider than any chamber for this purpose, narrow enough to catch a temperature in kelvin.
 pub const AIR_RANGE_C: RangeInclusive<f64> = -100.0..=200.0;
-
-/// Longest profile, s (10 000 h).
-pub const MAX_DURATION_S: f64 = 3.6e7;
-
-/// Most stretches a profile may have, cycles written out.
-const MAX_LEGS: usize = 100_000;
 
 /// What a profile file says: the chamber's steps, and what else happens to the unit.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
@@ -27,12 +21,15 @@ pub struct ProfileParts {
     /// One line for lists of profiles.
     #[serde(default)]
     pub description: String,
-    /// Temperature of air and unit before time 0, degC.
+    /// Temperature at which air and unit have settled before anything happens, degC.
     pub start_c: f64,
     /// Whether power comes on at time 0: self-heating begins then. Otherwise the unit has been
     /// powered for long.
     #[serde(default)]
     pub cold_start: bool,
+    /// What the air does before time 0: the unit follows it, and there is no log of it.
+    #[serde(default)]
+    pub before: Vec<Step>,
     /// Constant rate about the axes, deg/h: the share of Earth rate that they see, say.
     #[serde(default)]
     pub input_rate_dph: [f64; 3],
@@ -49,14 +46,13 @@ pub struct ProfileParts {
 /// A profile that has been found sound.
 ///
 /// The unit has stood at [`start_c`](ProfileParts::start_c) long enough to have settled when the
-/// profile begins at time 0.
+/// profile begins: at time 0, or earlier where it has steps [`before`](ProfileParts::before) that.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Profile {
     name: String,
     parts: ProfileParts,
-    /// One stretch for each stretch that takes time, then one that never ends.
-    legs: Vec<Leg>,
-    duration_s: f64,
+    before: Air,
+    air: Air,
 }
 
 impl Profile {
@@ -88,16 +84,8 @@ impl Profile {
         if parts.step.is_empty() {
             return Err(Invalid::new("step", "an empty list", "one step or more"));
         }
-        let mut course = Legs::starting_at(parts.start_c);
-        for (index, step) in parts.step.iter().enumerate() {
-            let place = element("step", index);
-            step.append(&mut course)
-                .map_err(|error| error.inside(&place))?;
-            if course.time_s > MAX_DURATION_S || course.legs.len() > MAX_LEGS {
-                let found = format!("the end of {:.0} h", course.time_s / 3600.0);
-                return Err(Invalid::new(place, found, "10000 h in all at most"));
-            }
-        }
+        let before = Air::new(parts.start_c, &parts.before, "before")?;
+        let air = Air::new(before.end_c, &parts.step, "step")?;
         for (index, fault) in parts.fault.iter().enumerate() {
             let place = element("fault", index);
             fault.check().map_err(|error| error.inside(place))?;
@@ -106,17 +94,11 @@ impl Profile {
             let place = element("motion", index);
             motion.check().map_err(|error| error.inside(place))?;
         }
-        let duration_s = course.time_s;
-        course.legs.push(Leg {
-            start_s: duration_s,
-            end_s: f64::INFINITY,
-            course: Course::constant(course.air_c),
-        });
         Ok(Self {
             name: name.to_owned(),
             parts,
-            legs: course.legs,
-            duration_s,
+            before,
+            air,
         })
     }
 
@@ -135,30 +117,35 @@ impl Profile {
         &self.parts.step
     }
 
-    /// Temperature of air and unit before time 0, degC.
+    /// Temperature at which air and unit have settled before anything happens, degC.
     pub fn start_c(&self) -> f64 {
         self.parts.start_c
     }
 
-    /// Duration of the whole profile, s.
+    /// Duration of the profile from time 0 on, s.
     pub fn duration_s(&self) -> f64 {
-        self.duration_s
+        self.air.duration_s
     }
 
-    /// Air temperature, degC, at any time: the start temperature before time 0, the final
-    /// temperature after the last step.
+    /// Air temperature, degC, at any time: the start temperature before the first step, the final
+    /// temperature after the last one.
     pub fn air_c(&self, time_s: f64) -> f64 {
         if time_s < 0.0 {
-            return self.start_c();
+            let before = &self.before;
+            before.at((time_s + before.duration_s).max(0.0))
+        } else {
+            self.air.at(time_s)
         }
-        // After the end the last stretch holds one temperature, so that its first moment will do.
-        let time_s = time_s.min(self.duration_s);
-        let passed = self.legs.partition_point(|leg| leg.end_s <= time_s);
-        self.legs[passed].air_c(time_s)
     }
 
-    pub(crate) fn legs(&self) -> &[Leg] {
-        &self.legs
+    /// The air before time 0, from the first step on.
+    pub(crate) fn before(&self) -> &Air {
+        &self.before
+    }
+
+    /// The air from time 0 on.
+    pub(crate) fn air(&self) -> &Air {
+        &self.air
     }
 }
 
@@ -259,10 +246,39 @@ mod tests {
     }
 
     #[test]
+    fn steps_before_time_0_lead_up_to_it() {
+        let parts = ProfileParts {
+            start_c: -10.0,
+            before: vec![ramp(20.0, 1.0)],
+            step: vec![ramp(40.0, 0.5)],
+            ..ProfileParts::default()
+        };
+        let profile = Profile::from_parts("test", parts).unwrap();
+        assert_eq!(profile.duration_s(), 2400.0);
+        for (minute, air_c) in [(-40.0, -10.0), (-30.0, -10.0), (-10.0, 10.0), (0.0, 20.0)] {
+            assert!(
+                (profile.air_c(60.0 * minute) - air_c).abs() < 1e-9,
+                "{minute}"
+            );
+        }
+        assert_eq!(profile.air_c(600.0), 25.0);
+
+        let parts = ProfileParts {
+            before: vec![ramp(20.0, -1.0)],
+            step: vec![soak(20.0, 1.0)],
+            ..ProfileParts::default()
+        };
+        assert_eq!(
+            Profile::from_parts("test", parts).unwrap_err().to_string(),
+            "`before[1].ramp.rate_c_per_min` is -1, expected 0.0001 to 100"
+        );
+    }
+
+    #[test]
     fn a_ramp_to_where_the_air_is_takes_no_time() {
         let profile = Profile::new("test", 20.0, &[ramp(20.0, 1.0), soak(20.0, 1.0)]).unwrap();
         assert_eq!(profile.duration_s(), 60.0);
-        assert_eq!(profile.legs().len(), 2);
+        assert_eq!(profile.air().legs.len(), 2);
     }
 
     #[test]

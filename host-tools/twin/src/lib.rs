@@ -46,6 +46,7 @@
 //! Errors of the scale factor and of alignment, lock-in, cross-coupling of heat between axes, and what
 //! flows back from an inner part to an outer one.
 
+mod air;
 mod bias;
 mod chamber;
 mod check;
@@ -60,6 +61,7 @@ mod events;
 mod expm;
 mod file;
 mod gyro;
+mod heat;
 mod hysteresis;
 mod legs;
 mod normal;
@@ -75,7 +77,8 @@ mod unit;
 mod units;
 mod wander;
 
-pub use chamber::{AIR_RANGE_C, MAX_DURATION_S, Profile, ProfileParts};
+pub use air::MAX_DURATION_S;
+pub use chamber::{AIR_RANGE_C, Profile, ProfileParts};
 pub use check::Invalid;
 pub use csv_out::{log_header, truth_header, write_log, write_log_and_truth};
 pub use curve::{BlendedQuadratics, LegendreSeries, StaticCurve};

@@ -18,9 +18,12 @@ pub const PROFILES: &[&str] = &[
     "rest",
     "faults",
     "wandering",
+    "minor_loops",
+    "one_rate",
+    "mid_ramp_start",
 ];
 
-const FILES: [&str; 10] = [
+const FILES: [&str; 13] = [
     include_str!("../profiles/calibration.toml"),
     include_str!("../profiles/verification.toml"),
     include_str!("../profiles/static.toml"),
@@ -31,6 +34,9 @@ const FILES: [&str; 10] = [
     include_str!("../profiles/rest.toml"),
     include_str!("../profiles/faults.toml"),
     include_str!("../profiles/wandering.toml"),
+    include_str!("../profiles/minor_loops.toml"),
+    include_str!("../profiles/one_rate.toml"),
+    include_str!("../profiles/mid_ramp_start.toml"),
 ];
 
 impl Profile {
@@ -62,6 +68,9 @@ impl Profile {
     /// | `rest` | 25 degC | 0 | 2 h |
     /// | `faults` | 10 to 50 degC, with faults and motion | 0.5, 1 | 4 h |
     /// | `wandering` | -12 to 77 degC, ramps at random with many minor loops | 0.2 to 2.5 | 12 h |
+    /// | `minor_loops` | loops of 10 to 30 degC about 5 temperatures, -15 to 80 degC, start at 25 degC | 0.3 to 2 | 15.7 h |
+    /// | `one_rate` | as `calibration` | 1 | 14.7 h |
+    /// | `mid_ramp_start` | power on at 15 degC in a ramp from -15 to 55 degC, then to 0 and 25 degC | 0.7, 1, 1.5 | 3.1 h |
     ///
     /// # Errors
     ///
@@ -88,7 +97,7 @@ impl Profile {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::legs::Course;
+    use crate::legs::{Course, Leg};
 
     fn named(name: &str) -> Profile {
         Profile::named(name).unwrap()
@@ -126,12 +135,15 @@ mod tests {
         rates
     }
 
-    /// Lowest and highest air temperature, looked at every 10 s.
+    /// Lowest and highest air temperature, looked at every 10 s and where stretches begin.
     fn range_c(name: &str) -> (f64, f64) {
         let profile = named(name);
         let samples = (profile.duration_s() / 10.0) as u32;
-        (0..=samples)
-            .map(|i| profile.air_c(10.0 * f64::from(i)))
+        let even_s = (0..=samples).map(|i| 10.0 * f64::from(i));
+        let begins_s = profile.air().legs.iter().map(|leg| leg.start_s);
+        even_s
+            .chain(begins_s)
+            .map(|time_s| profile.air_c(time_s))
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), air_c| {
                 (low.min(air_c), high.max(air_c))
             })
@@ -147,7 +159,7 @@ mod tests {
         assert_eq!(
             error.to_string(),
             "unknown profile `calibartion`, expected one of: calibration, verification, static, short, \
-             cycles, swing, cold_start, rest, faults, wandering"
+             cycles, swing, cold_start, rest, faults, wandering, minor_loops, one_rate, mid_ramp_start"
         );
     }
 
@@ -164,6 +176,9 @@ mod tests {
             ("rest", 2.0),
             ("faults", 4.0),
             ("wandering", 12.0),
+            ("minor_loops", 15.65),
+            ("one_rate", 14.7),
+            ("mid_ramp_start", 3.1),
         ] {
             let actual = duration_h(name);
             assert!((actual - hours).abs() < 0.05, "{name}: {actual} h");
@@ -182,6 +197,9 @@ mod tests {
             ("cold_start", -20.0, 20.0),
             ("rest", 25.0, 25.0),
             ("faults", 10.0, 50.0),
+            ("minor_loops", -15.0, 80.0),
+            ("one_rate", -15.0, 80.0),
+            ("mid_ramp_start", 0.0, 55.0),
         ] {
             let (low, high) = range_c(name);
             assert!((low - low_c).abs() < 1e-9, "{name}: {low} degC");
@@ -198,7 +216,7 @@ mod tests {
                 "{seed}"
             );
             assert_eq!(profile, Profile::wandering(seed));
-            assert_ne!(profile.legs(), Profile::wandering(seed + 1).legs());
+            assert_ne!(profile.air(), Profile::wandering(seed + 1).air());
         }
         assert_eq!(Profile::wandering(1).parts(), named("wandering").parts());
     }
@@ -211,6 +229,8 @@ mod tests {
         assert_eq!(soaks_c("calibration").len(), 11);
         assert_eq!(soaks_c("verification").len(), 11);
         assert_eq!(soaks_c("static").len(), 11);
+        assert_eq!(rates("one_rate"), [1.0]);
+        assert_eq!(soaks_c("one_rate"), soaks_c("calibration"));
     }
 
     #[test]
@@ -223,12 +243,49 @@ mod tests {
         }
     }
 
+    /// Turning points of the air, degC, and the slopes before and after, degC/min.
+    fn turns(name: &str) -> Vec<(f64, f64, f64)> {
+        let slope = |leg: &Leg| match leg.course {
+            Course::Line { slope_c_per_s, .. } => 60.0 * slope_c_per_s,
+            Course::Sine { .. } => 0.0,
+        };
+        let turn = |pair: &[Leg]| {
+            let [before, after] = [&pair[0], &pair[1]];
+            (after.air_c(after.start_s), slope(before), slope(after))
+        };
+        let profile = named(name);
+        let turns = profile.air().legs.windows(2).map(turn);
+        let turned = |turn: &(f64, f64, f64)| turn.1 * turn.2 < 0.0;
+        turns.filter(turned).collect()
+    }
+
+    #[test]
+    fn minor_loops_turn_without_a_soak_over_the_whole_range() {
+        assert!(turns("calibration").is_empty());
+        let turns = turns("minor_loops");
+        assert!(turns.len() >= 20, "{turns:?}");
+        for low_c in [-20.0, 5.0, 30.0, 55.0] {
+            let within = |turn: &&(f64, f64, f64)| (low_c..=low_c + 25.0).contains(&turn.0);
+            assert!(turns.iter().filter(within).count() >= 4, "{low_c} degC");
+        }
+        let spans = turns.windows(2).map(|pair| (pair[0].0 - pair[1].0).abs());
+        assert!(spans.filter(|span| (9.9..30.1).contains(span)).count() >= 15);
+        for downwards in [false, true] {
+            let after = turns.iter().map(|turn| turn.2);
+            let mut rates: Vec<f64> = after.filter(|rate| (*rate < 0.0) == downwards).collect();
+            rates.sort_by(f64::total_cmp);
+            rates.dedup_by(|a, b| (*a - *b).abs() < 1e-9);
+            assert!(rates.len() >= 3, "{rates:?}");
+        }
+    }
+
     #[test]
     fn calibration_passes_every_temperature_at_several_rates_both_ways() {
         let profile = named("calibration");
         for temperature_c in [-10.0, 8.0, 20.0, 33.0, 48.0, 55.0, 72.0] {
             let mut slopes: Vec<f64> = profile
-                .legs()
+                .air()
+                .legs
                 .iter()
                 .filter_map(|leg| {
                     let Course::Line { slope_c_per_s, .. } = leg.course else {

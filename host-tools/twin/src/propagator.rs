@@ -164,7 +164,7 @@ mod tests {
             cavity_rise_c: [0.0; 3],
             ..NETWORK
         };
-        let mut state = network.at_rest(20.0, true);
+        let mut state = network.at_rest(20.0);
         let course = Course::Line {
             start_c: 70.0,
             slope_c_per_s: 0.0,
@@ -197,14 +197,14 @@ mod tests {
 
     #[test]
     fn power_warms_every_part_to_its_rise() {
-        let mut state = NETWORK.at_rest(20.0, false);
+        let mut state = NETWORK.unpowered().at_rest(20.0);
         assert_eq!(state.case_c(), 20.0);
         advance(&NETWORK, &mut state, &STILL, 0.5, 720);
         let expected_c = 20.0 + 4.0 * (1.0 - (-1.0_f64).exp());
         assert!((state.case_c() - expected_c).abs() < 1e-10);
         advance(&NETWORK, &mut state, &STILL, 10.0, 10_000);
-        assert_close(&state, &NETWORK.at_rest(20.0, true), 1e-10);
-        assert_eq!(NETWORK.at_rest(20.0, true).cavity_c(), [27.0, 26.5, 26.0]);
+        assert_close(&state, &NETWORK.at_rest(20.0), 1e-10);
+        assert_eq!(NETWORK.at_rest(20.0).cavity_c(), [27.0, 26.5, 26.0]);
     }
 
     #[test]
@@ -214,7 +214,7 @@ mod tests {
             start_c: 0.0,
             slope_c_per_s: slope,
         };
-        let mut state = NETWORK.at_rest(0.0, true);
+        let mut state = NETWORK.at_rest(0.0);
         advance(&NETWORK, &mut state, &course, 0.5, 40_000);
         let air_c = slope * 20_000.0;
         for (node, lag_s, rise_c) in [
@@ -262,7 +262,7 @@ mod tests {
             amplitude_c,
             rad_per_s,
         };
-        let mut exact = NETWORK.at_rest(20.0, false);
+        let mut exact = NETWORK.unpowered().at_rest(20.0);
         advance(&NETWORK, &mut exact, &course, 600.0, 1);
         let slopes = |s: &[f64; NODES], t: f64| {
             let cavity = |axis: usize| {
@@ -303,7 +303,7 @@ mod tests {
             start_c: 20.0,
             slope_c_per_s: 0.03,
         };
-        let mut state = network.at_rest(20.0, true);
+        let mut state = network.at_rest(20.0);
         advance(&network, &mut state, &course, 3.0, 100);
         assert_eq!(state.0[BLOCK], state.case_c());
         assert_eq!(state.sensor_c(), state.case_c());
@@ -312,7 +312,7 @@ mod tests {
 
     #[test]
     fn stays_at_rest_in_still_air() {
-        let mut state = NETWORK.at_rest(20.0, true);
+        let mut state = NETWORK.at_rest(20.0);
         let start = state;
         advance(&NETWORK, &mut state, &STILL, 0.5, 1000);
         assert_eq!(state, start);

@@ -9,9 +9,9 @@ use crate::drift::DriftState;
 use crate::error::SimulationError;
 use crate::events::{Fault, FaultKind, Flags};
 use crate::gyro::GyroChannel;
+use crate::heat::Heat;
 use crate::normal::{NormalSource, Stream};
 use crate::output::Quantiser;
-use crate::propagator::{Propagator, Settled};
 use crate::sensor::TemperatureSensor;
 use crate::thermal::ThermalState;
 use crate::tone::ToneState;
@@ -91,14 +91,13 @@ impl Simulation {
         }
         unit.check()?;
         let interval_s = 1.0 / rate_hz;
-        let heat = Heat::new(unit, profile, interval_s);
-        let mut thermal_bias = ThermalBiases::new(unit, &heat.state);
+        let (heat, mut thermal_bias) = at_time_0(unit, profile, interval_s);
         let mut drifts =
             core::array::from_fn(|axis| DriftState::new(&unit.axes[axis].drift, seed, axis));
         let arcsec = unit.output.arcsec_per_angle(unit.rate_unit);
         let tone = |(index, tone)| ToneState::new(tone, seed, index);
         let mut run = Self {
-            bias: bias(&mut thermal_bias, &heat.state, &mut drifts, 0.0),
+            bias: bias(&mut thermal_bias, heat.state(), &mut drifts, 0.0),
             unit: unit.clone(),
             profile: profile.clone(),
             rate_hz,
@@ -152,7 +151,7 @@ impl Simulation {
         let before = self.bias;
         self.bias = bias(
             &mut self.thermal_bias,
-            &self.heat.state,
+            self.heat.state(),
             &mut self.drifts,
             time_s,
         );
@@ -166,7 +165,7 @@ impl Simulation {
 
     /// The sample at `time_s`, or nothing where its row is lost.
     fn sample(&mut self, time_s: f64, interval_begin_s: f64) -> Option<Sample> {
-        self.heat.advance_to(&self.unit, &self.profile, time_s);
+        self.heat.advance_to(self.profile.air(), time_s);
         let angles = self.angles(time_s);
         let mut counts = core::array::from_fn(|axis| self.gyros[axis].count(angles[axis]));
         let parts = self.profile.parts();
@@ -174,7 +173,9 @@ impl Simulation {
             .fault
             .iter()
             .filter(|fault| fault.is_there(interval_begin_s, time_s));
-        let temp_c = self.sensor.read(self.heat.state.sensor_c(), faults.clone());
+        let temp_c = self
+            .sensor
+            .read(self.heat.state().sensor_c(), faults.clone());
         let mut flags = flags(faults.clone());
         for fault in faults {
             if let FaultKind::GyroDead { axis } = fault.what {
@@ -202,7 +203,7 @@ impl Simulation {
             temp_c,
             counts,
             truth: Truth {
-                cavity_c: self.heat.state.cavity_c(),
+                cavity_c: self.heat.state().cavity_c(),
                 bias: self.bias,
                 flags,
             },
@@ -233,52 +234,31 @@ impl Iterator for Simulation {
 
 impl FusedIterator for Simulation {}
 
-/// The temperatures of a unit on its way through a profile.
-#[derive(Debug, Clone)]
-struct Heat {
-    settled: Settled,
-    whole_interval: Propagator,
-    state: ThermalState,
-    /// Time up to which `state` has been moved, s.
-    time_s: f64,
-    /// Stretch of the profile at `time_s`.
-    leg: usize,
-}
-
-impl Heat {
-    fn new(unit: &Unit, profile: &Profile, interval_s: f64) -> Self {
-        let powered = !profile.parts().cold_start;
-        Self {
-            settled: Settled::new(&unit.thermal),
-            whole_interval: Propagator::new(&unit.thermal, interval_s),
-            state: unit.thermal.at_rest(profile.start_c(), powered),
-            time_s: 0.0,
-            leg: 0,
-        }
+/// Heat and history at time 0, after what the air did before.
+///
+/// The unit follows the air in steps of one second whatever the sample rate is. Without power it does
+/// not warm itself; what its glass remembers it remembers all the same.
+fn at_time_0(unit: &Unit, profile: &Profile, interval_s: f64) -> (Heat, ThermalBiases) {
+    let cold = profile.parts().cold_start;
+    let network = if cold {
+        unit.thermal.unpowered()
+    } else {
+        unit.thermal
+    };
+    let mut heat = Heat::new(network, network.at_rest(profile.start_c()), 1.0);
+    let mut thermal_bias = ThermalBiases::new(unit, heat.state());
+    let before = profile.before();
+    let mut time_s: f64 = 0.0;
+    while time_s < before.duration_s {
+        time_s = (time_s + 1.0).min(before.duration_s);
+        heat.advance_to(before, time_s);
+        thermal_bias.follow(heat.state());
     }
-
-    /// Moves the state, split where the profile bends so that each part is exact.
-    fn advance_to(&mut self, unit: &Unit, profile: &Profile, time_s: f64) {
-        let begin_s = self.time_s;
-        while self.time_s < time_s {
-            let leg = &profile.legs()[self.leg];
-            if leg.end_s <= self.time_s {
-                self.leg += 1;
-                continue;
-            }
-            let part_end_s = time_s.min(leg.end_s);
-            let part;
-            let propagator = if self.time_s == begin_s && part_end_s == time_s {
-                &self.whole_interval
-            } else {
-                part = Propagator::new(&unit.thermal, part_end_s - self.time_s);
-                &part
-            };
-            let since_s = self.time_s - leg.start_s;
-            propagator.advance(&mut self.state, &self.settled, &leg.course, since_s);
-            self.time_s = part_end_s;
-        }
+    if cold {
+        thermal_bias.power_on(heat.state());
     }
+    let heat = Heat::new(unit.thermal, *heat.state(), interval_s);
+    (heat, thermal_bias)
 }
 
 /// Samples from time 0 up to and including the end of the profile.
@@ -325,6 +305,8 @@ fn flags<'a>(faults: impl Iterator<Item = &'a Fault>) -> Flags {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::chamber::ProfileParts;
+    use crate::drift::Drift;
     use crate::gyro::GyroNoise;
     use crate::sensor::TemperatureReading;
     use crate::step::Step;
@@ -392,6 +374,49 @@ mod tests {
         assert_eq!(samples[1199].truth.cavity_c, [25.0; 3]);
         assert_ne!(samples[1300].truth.cavity_c, [25.0; 3]);
         assert_eq!(samples.last().unwrap().time_s, 5400.0);
+    }
+
+    #[test]
+    fn a_unit_that_is_switched_on_in_mid_ramp_has_followed_the_air() {
+        let ramp = |to_c| Step::Ramp {
+            to_c,
+            rate_c_per_min: 1.0,
+        };
+        let run = |name: &str, cold_start, before: &[f64], step: &[f64]| -> Vec<Sample> {
+            let mut unit = Unit::named(name).unwrap();
+            unit.temperature = TemperatureReading::EXACT;
+            for axis in &mut unit.axes {
+                axis.drift = Drift::default();
+            }
+            let parts = ProfileParts {
+                start_c: -15.0,
+                cold_start,
+                before: before.iter().map(|to_c| ramp(*to_c)).collect(),
+                step: step.iter().map(|to_c| ramp(*to_c)).collect(),
+                ..ProfileParts::default()
+            };
+            let profile = Profile::from_parts("test", parts).unwrap();
+            Simulation::new(&unit, &profile, 1, 0.5).unwrap().collect()
+        };
+        // Powered all the time, the run is the later part of one that began two hours before.
+        let later = run("loop", false, &[60.0, 15.0], &[60.0]);
+        let whole = run("loop", false, &[], &[60.0, 15.0, 60.0]);
+        for (later, whole) in later.iter().zip(&whole[3600..]) {
+            assert!((later.temp_c - whole.temp_c).abs() < 1e-9);
+            for axis in 0..3 {
+                let (a, b) = (later.truth.cavity_c[axis], whole.truth.cavity_c[axis]);
+                assert!((a - b).abs() < 1e-9);
+                // The plays have been dragged along.
+                let difference = later.truth.bias[axis] - whole.truth.bias[axis];
+                assert!(difference.abs() < 1e-6, "{difference}");
+            }
+        }
+        // Without power all of it is colder by the rises, which are missing from the first moment.
+        let cold = run("loop", true, &[60.0, 15.0], &[60.0]);
+        let missing_c = later[0].truth.cavity_c[0] - cold[0].truth.cavity_c[0];
+        assert!((missing_c - 4.0).abs() < 1e-9, "{missing_c}");
+        let missing_c = later[1000].truth.cavity_c[0] - cold[1000].truth.cavity_c[0];
+        assert!((0.1..4.0).contains(&missing_c), "{missing_c}");
     }
 
     #[test]

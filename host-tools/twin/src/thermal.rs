@@ -150,15 +150,19 @@ impl ThermalNetwork {
         ]
     }
 
-    /// All parts at the temperature of the air or, when powered for long, at their rises above it.
-    pub(crate) fn at_rest(&self, air_c: f64, powered: bool) -> ThermalState {
-        let mut state = [air_c; NODES];
-        if powered {
-            for (state_c, rise_c) in state.iter_mut().zip(self.rises_c()) {
-                *state_c += rise_c;
-            }
+    /// The same without power: nothing warms itself.
+    pub(crate) fn unpowered(&self) -> Self {
+        Self {
+            case_rise_c: 0.0,
+            block_rise_c: 0.0,
+            cavity_rise_c: [0.0; 3],
+            ..*self
         }
-        ThermalState(state)
+    }
+
+    /// All parts at their rises above the air.
+    pub(crate) fn at_rest(&self, air_c: f64) -> ThermalState {
+        ThermalState(self.rises_c().map(|rise_c| air_c + rise_c))
     }
 
     /// Rise of every part above the air, degC.
