@@ -36,7 +36,7 @@ const HASHES: &[(&str, &str)] = &[
     ),
     (
         "gradient",
-        "8dbf08eeb6ba63ec460ebbe1e2baf3d4a56b8df3fac0e82cbf18a2a18820bfc8",
+        "c75a3f50f41b6b14054b141bd22362c29a9086804eb417efd0d74ec6fc735d15",
     ),
     (
         "mode_hops",
