@@ -65,3 +65,41 @@ fn mems_and_fog_put_out_rates_and_gain_by_compensation() {
         }
     }
 }
+
+#[test]
+fn the_paper_s_model_leaves_what_lags_hops_and_loops_make() {
+    for unit in ["gradient", "mode_hops", "loop"] {
+        for (raw, compensated) in sigmas(unit, PAPER_SEGMENTS) {
+            assert!(compensated < 0.8 * raw, "{unit}: {compensated} {raw}");
+            assert!(compensated > 1.3 * NOISE, "{unit}: {compensated}");
+        }
+    }
+}
+
+#[test]
+fn a_hub_thermometer_costs_more_than_the_noise() {
+    // 0.02 deg/h by random walk.
+    for (raw, compensated) in sigmas("fibre", PAPER_SEGMENTS) {
+        assert!(compensated < 0.6 * raw, "{compensated} {raw}");
+        assert!(compensated > 1.2 * 0.02, "{compensated}");
+    }
+}
+
+#[test]
+fn a_drawn_unit_is_another_one_and_its_seed_decides_it() {
+    let bench = Bench::new();
+    for (file, unit) in [
+        ("named.csv", "smooth"),
+        ("seven.csv", "smooth --draw 7"),
+        ("again.csv", "smooth --draw 7"),
+        ("eight.csv", "smooth --draw 8"),
+    ] {
+        bench.ok(&format!(
+            "simulate --unit {unit} --profile short --out {file}"
+        ));
+    }
+    let read = |file: &str| std::fs::read(bench.path(file)).unwrap();
+    assert!(read("seven.csv") == read("again.csv"));
+    assert!(read("seven.csv") != read("eight.csv"));
+    assert!(read("seven.csv") != read("named.csv"));
+}

@@ -60,14 +60,14 @@ fn list() -> Result<()> {
     print("units")?;
     for name in UNITS {
         print(format_args!(
-            "  {name:12}  {}",
+            "  {name:14}  {}",
             Unit::named(name)?.description
         ))?;
     }
     print("profiles")?;
     for name in PROFILES {
         let profile = Profile::named(name)?;
-        print(format_args!("  {name:12}  {}", profile.parts().description))?;
+        print(format_args!("  {name:14}  {}", profile.parts().description))?;
     }
     Ok(())
 }
