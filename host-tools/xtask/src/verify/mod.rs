@@ -1,11 +1,12 @@
 //! How thorough the tests of the core are, what Miri says about them, the command on Windows, and
-//! logs of autopilots as others read them.
+//! logs of autopilots as others read them. Apart from these gates: how good the fit is.
 //!
 //! Slow, and in need of tools that are not to be had everywhere: no part of the continuous checks.
 
 mod coverage;
 mod logs;
 mod miri;
+mod model;
 mod mutants;
 mod places;
 mod tools;
@@ -24,10 +25,20 @@ use self::tools::Missing;
 const TESTS: [&str; 5] = ["--package", "tempco", "--locked", "--lib", "--tests"];
 
 #[derive(clap::Args)]
+#[command(args_conflicts_with_subcommands = true)]
 pub(crate) struct Args {
     /// The gates to run; all of them, if none is said
     #[arg(value_enum)]
     gates: Vec<Gate>,
+    #[command(subcommand)]
+    trials: Option<Trials>,
+}
+
+/// Figures to look at, which no gate judges.
+#[derive(clap::Subcommand)]
+enum Trials {
+    /// How good the fit is, on simulated units whose bias is known (tempco-trials)
+    Model(model::Args),
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -92,6 +103,9 @@ impl From<Result<Measured>> for Verdict {
 
 pub(crate) fn run(args: &Args) -> Result<()> {
     let workspace = Workspace::find()?;
+    if let Some(Trials::Model(args)) = &args.trials {
+        return model::trials(&workspace, args);
+    }
     let gates = match args.gates.as_slice() {
         [] => Gate::value_variants(),
         some => some,
