@@ -1,19 +1,12 @@
 //! The kinds of units, the logs they are calibrated with and the missions they are judged on.
 
-use anyhow::{Result, bail};
+use anyhow::Result;
 use tempco_twin::{Profile, Unit};
 
 use crate::run::Run;
 
-/// Names of kinds, with the unit of the twin that each is.
-const KINDS: [(&str, &str); 6] = [
-    ("smooth", "smooth"),
-    ("wavy", "wavy"),
-    ("loop", "hysteretic"),
-    ("fibre", "fog"),
-    ("mems", "mems"),
-    ("paper", "paper"),
-];
+/// Names of kinds that the units of the twin do not have, with the unit each is.
+const ALIASES: [(&str, &str); 1] = [("loop", "hysteretic")];
 
 /// Seeds of noise that one unit may use.
 const NOISE_SEEDS: u64 = 100;
@@ -57,11 +50,8 @@ impl Specimen {
     /// # Errors
     /// An unknown kind.
     pub(crate) fn new(kind: &str, seed: u64) -> Result<Self> {
-        let Some((_, unit)) = KINDS.iter().find(|(name, _)| *name == kind) else {
-            let known = KINDS.map(|(name, _)| name).join(", ");
-            bail!("unknown kind `{kind}`, expected one of: {known}");
-        };
-        let unit = Unit::named(unit)?;
+        let alias = ALIASES.iter().find(|(alias, _)| *alias == kind);
+        let unit = Unit::drawn(alias.map_or(kind, |(_, name)| name), seed)?;
         Ok(Self { seed, unit })
     }
 
@@ -84,7 +74,7 @@ impl Specimen {
         let profile = match purpose {
             Purpose::Training(_) => Profile::named("calibration")?,
             Purpose::Verification => Profile::named("verification")?,
-            Purpose::Wandering => Profile::named("swing")?,
+            Purpose::Wandering => Profile::wandering(self.seed),
             Purpose::Start => Profile::named("cold_start")?,
         };
         self.run(&profile, purpose)
