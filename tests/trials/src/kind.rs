@@ -5,9 +5,6 @@ use tempco_twin::{Profile, Unit};
 
 use crate::run::Run;
 
-/// Names of kinds that the units of the twin do not have, with the unit each is.
-const ALIASES: [(&str, &str); 1] = [("loop", "hysteretic")];
-
 /// Seeds of noise that one unit may use.
 const NOISE_SEEDS: u64 = 100;
 
@@ -50,8 +47,7 @@ impl Specimen {
     /// # Errors
     /// An unknown kind.
     pub(crate) fn new(kind: &str, seed: u64) -> Result<Self> {
-        let alias = ALIASES.iter().find(|(alias, _)| *alias == kind);
-        let unit = Unit::drawn(alias.map_or(kind, |(_, name)| name), seed)?;
+        let unit = Unit::drawn(kind, seed)?;
         Ok(Self { seed, unit })
     }
 

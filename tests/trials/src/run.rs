@@ -75,11 +75,6 @@ impl Run {
         };
         Ok(Self { log, truth })
     }
-
-    /// The one temperature of the unit, with its axes.
-    pub(crate) fn channel_mut(&mut self) -> &mut Channel {
-        &mut self.log.channels[0]
-    }
 }
 
 const fn axis_unit(rate_unit: RateUnit) -> AxisUnit {

@@ -17,22 +17,31 @@ const GLITCH_S: f64 = 600.0;
 /// Its size, in standard deviations of the noise of a row.
 const GLITCH_SIGMAS: f64 = 20.0;
 
-/// Adds outliers and a glitch to every axis of a run. All are upwards: they would not cancel.
-pub(crate) fn spoil(run: &mut Run, seed: u64) {
+/// What is put into a log.
+#[derive(Clone, Copy)]
+pub(crate) enum Disturbance {
+    /// Single rows far off.
+    Outliers,
+    /// Ten minutes off.
+    Glitch,
+}
+
+/// Adds a disturbance to every axis of a run. All of it is upwards: it would not cancel.
+pub(crate) fn spoil(run: &mut Run, disturbance: Disturbance, seed: u64) {
     let mut random = Random::new(seed);
     let duration_s = run.log.time_s[run.log.rows() - 1];
     let begin_s = (0.1 + 0.8 * random.uniform()) * duration_s;
     let glitch_s = begin_s..begin_s + GLITCH_S;
-    let time_s = run.log.time_s.clone();
-    for axis in &mut run.channel_mut().axes {
+    let Run { log, .. } = run;
+    for axis in &mut log.channels[0].axes {
         let sigma = row_noise(axis);
-        for (raw, time_s) in axis.raw.iter_mut().zip(&time_s) {
-            if random.uniform() < OUTLIERS {
-                *raw += OUTLIER_SIGMAS * sigma;
-            }
-            if glitch_s.contains(time_s) {
-                *raw += GLITCH_SIGMAS * sigma;
-            }
+        for (raw, time_s) in axis.raw.iter_mut().zip(&log.time_s) {
+            let sigmas = match disturbance {
+                Disturbance::Outliers if random.uniform() < OUTLIERS => OUTLIER_SIGMAS,
+                Disturbance::Glitch if glitch_s.contains(time_s) => GLITCH_SIGMAS,
+                _ => 0.0,
+            };
+            *raw += sigmas * sigma;
         }
     }
 }
@@ -51,24 +60,27 @@ mod tests {
     use super::*;
 
     #[test]
-    fn one_row_in_a_hundred_and_ten_minutes_are_spoilt() {
+    fn one_row_in_a_hundred_or_ten_minutes_are_spoilt() {
         let unit = Unit::named("smooth").unwrap();
         let profile = Profile::named("short").unwrap();
         let clean = Run::simulate(&unit, &profile, 1).unwrap();
-        let mut spoilt = clean.clone();
-        spoil(&mut spoilt, 1);
-        let [clean, spoilt] = [&clean, &spoilt].map(|run| &run.log.channels[0].axes[0]);
-        let sigma = row_noise(clean);
-        let added = spoilt
-            .raw
-            .iter()
-            .zip(&clean.raw)
-            .map(|(a, b)| (a - b) / sigma);
-        let added: Vec<f64> = added.collect();
-        let count = |size: f64| added.iter().filter(|of| (*of - size).abs() < 1e-6).count();
-        let (outliers, glitch, both) = (count(30.0), count(20.0), count(50.0));
-        assert!((25..=85).contains(&outliers), "{outliers}");
-        assert_eq!(glitch + both, 600);
-        assert_eq!(outliers + 600 + count(0.0), added.len());
+        let spoilt = |disturbance| {
+            let mut spoilt = clean.clone();
+            spoil(&mut spoilt, disturbance, 1);
+            let [clean, spoilt] = [&clean, &spoilt].map(|run| &run.log.channels[0].axes[0]);
+            let sigma = row_noise(clean);
+            let rows = spoilt.raw.iter().zip(&clean.raw);
+            let added = rows.map(|(spoilt, clean)| (spoilt - clean) / sigma);
+            added.collect::<Vec<f64>>()
+        };
+        let count =
+            |added: &[f64], size: f64| added.iter().filter(|of| (*of - size).abs() < 1e-6).count();
+        let outliers = spoilt(Disturbance::Outliers);
+        let (many, others) = (count(&outliers, OUTLIER_SIGMAS), count(&outliers, 0.0));
+        assert!((30..=85).contains(&many), "{many}");
+        assert_eq!(many + others, outliers.len());
+        let glitch = spoilt(Disturbance::Glitch);
+        assert_eq!(count(&glitch, GLITCH_SIGMAS), 600);
+        assert_eq!(600 + count(&glitch, 0.0), glitch.len());
     }
 }

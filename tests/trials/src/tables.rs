@@ -2,7 +2,7 @@
 
 use crate::figures::{geometric_mean, worst};
 use crate::table;
-use crate::trial::{Outcome, Pair};
+use crate::trial::{Outcome, Pair, Spoilt};
 
 /// An axis is worse than by the composite model beyond this ratio; below, it is a matter of chance.
 const WORSE: f64 = 1.05;
@@ -81,17 +81,27 @@ fn start(kinds: &[String], outcomes: &[Outcome]) {
 
 fn spoilt(kinds: &[String], outcomes: &[Outcome]) {
     let rows = by_kind(kinds, outcomes, |of| {
-        let growth = of
-            .iter()
-            .filter_map(|of| Some(of.spoilt? / of.verification.model));
-        let growth: Vec<f64> = growth.collect();
+        let growth = |error: fn(&Spoilt) -> f64| -> Vec<f64> {
+            let of = of.iter();
+            let growth =
+                of.filter_map(|of| Some(error(of.spoilt.as_ref()?) / of.verification.model));
+            growth.collect()
+        };
+        let [outliers, glitch] = [growth(|of| of.outliers), growth(|of| of.glitch)];
         let percent = |ratio: f64| format!("{:+.1} %", 100.0 * (ratio - 1.0));
-        [percent(geometric_mean(&growth)), percent(worst(&growth))]
+        [
+            percent(geometric_mean(&outliers)),
+            percent(worst(&outliers)),
+            percent(geometric_mean(&glitch)),
+            percent(worst(&glitch)),
+        ]
     });
     table::print(
-        "Growth of the error by outliers and a glitch in the training logs",
-        ["kind", "mean", "worst"],
-        &rows.map(|(kind, [a, b])| [kind, a, b]).collect::<Vec<_>>(),
+        "Growth of the error by a disturbance of the training logs",
+        ["kind", "outliers", "worst", "glitch", "worst"],
+        &rows
+            .map(|(kind, [a, b, c, d])| [kind, a, b, c, d])
+            .collect::<Vec<_>>(),
     );
 }
 

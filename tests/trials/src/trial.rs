@@ -9,7 +9,7 @@ use tempco_twin::AXIS_NAMES;
 use crate::fitted::Fitted;
 use crate::kind::{Purpose, Specimen};
 use crate::run::Run;
-use crate::spoilt::spoil;
+use crate::spoilt::{Disturbance, spoil};
 
 /// What is tried on each unit.
 pub(crate) struct Plan {
@@ -39,6 +39,15 @@ impl Pair {
     }
 }
 
+/// Errors of the model fitted to logs with a disturbance \[unit of the axis\].
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(crate) struct Spoilt {
+    /// With outliers.
+    pub(crate) outliers: f64,
+    /// With a glitch.
+    pub(crate) glitch: f64,
+}
+
 /// How an axis did.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct Outcome {
@@ -57,9 +66,9 @@ pub(crate) struct Outcome {
     /// In minutes 1 to 10 after power-on.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) start: Option<Pair>,
-    /// On the mission like a verification, of the model fitted to spoilt logs \[unit of the axis\].
+    /// On the mission like a verification, of the model fitted to spoilt logs.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) spoilt: Option<f64>,
+    pub(crate) spoilt: Option<Spoilt>,
     /// Codes by which the fit says that the model is no better than the composite model, or none.
     pub(crate) said: Vec<&'static str>,
 }
@@ -74,7 +83,7 @@ pub(crate) fn of_unit(kind: &str, seed: u64, plan: &Plan) -> Result<Vec<Outcome>
 
 fn try_unit(kind: &str, seed: u64, plan: &Plan) -> Result<Vec<Outcome>> {
     let specimen = Specimen::new(kind, seed)?;
-    let mut training = specimen.training(&plan.train)?;
+    let training = specimen.training(&plan.train)?;
     let logs = logs(&training);
     let model = Fitted::new(plan.model, &logs)?;
     let composite = Fitted::new(Model::Composite, &logs)?;
@@ -97,10 +106,14 @@ fn try_unit(kind: &str, seed: u64, plan: &Plan) -> Result<Vec<Outcome>> {
     };
     let spoilt = match plan.spoilt {
         true => {
-            for (run, number) in training.iter_mut().zip(0..) {
-                spoil(run, 1000 * seed + number);
-            }
-            Some(Fitted::new(plan.model, &self::logs(&training))?.errors(&mission)?)
+            let of = |disturbance| {
+                let logs = self::logs(&spoilt(&training, disturbance, seed));
+                Fitted::new(plan.model, &logs)?.errors(&mission)
+            };
+            let [outliers, glitch] = [of(Disturbance::Outliers)?, of(Disturbance::Glitch)?];
+            let pairs = outliers.into_iter().zip(glitch);
+            let errors = pairs.map(|(outliers, glitch)| Spoilt { outliers, glitch });
+            Some(errors.collect::<Vec<_>>())
         }
         false => None,
     };
@@ -119,6 +132,16 @@ fn try_unit(kind: &str, seed: u64, plan: &Plan) -> Result<Vec<Outcome>> {
         said: said[axis].clone(),
     };
     Ok((0..AXIS_NAMES.len()).map(outcome).collect())
+}
+
+/// The runs of a calibration, each with a disturbance of its own.
+fn spoilt(runs: &[Run], disturbance: Disturbance, seed: u64) -> Vec<Run> {
+    let runs = runs.iter().zip(0..).map(|(run, number)| {
+        let mut run = run.clone();
+        spoil(&mut run, disturbance, 1000 * seed + number);
+        run
+    });
+    runs.collect()
 }
 
 fn logs(runs: &[Run]) -> Vec<Log> {
