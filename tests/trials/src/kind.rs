@@ -71,7 +71,7 @@ impl Specimen {
             Purpose::Training(_) => Profile::named("calibration")?,
             Purpose::Verification => Profile::named("verification")?,
             Purpose::Wandering => Profile::wandering(self.seed),
-            Purpose::Start => Profile::named("cold_start")?,
+            Purpose::Start => Profile::named("mid_ramp_start")?,
         };
         self.run(&profile, purpose)
     }
