@@ -115,7 +115,7 @@ impl Fitted {
 }
 
 /// Rms of means over 100 s, the mean of all removed.
-fn error(time_s: &[f64], errors: &[f64]) -> f64 {
+pub(crate) fn error(time_s: &[f64], errors: &[f64]) -> f64 {
     let values = values(time_s, errors, TAU_S, 0.0..f64::INFINITY);
     rms_about(&values, mean(&values))
 }

@@ -38,7 +38,8 @@ impl Purpose {
 pub(crate) struct Specimen {
     /// Which of its kind; also what its noise begins from.
     pub(crate) seed: u64,
-    unit: Unit,
+    /// What it is.
+    pub(crate) unit: Unit,
 }
 
 impl Specimen {

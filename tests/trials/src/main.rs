@@ -26,11 +26,13 @@
 //! | axes worse than by the composite model, and the fit says nothing | 0 | | all of the above |
 //! | minutes 1 to 10 after power-on in a ramp | 1.0, gradient 1.3 | | `--start` |
 //! | growth of the error by outliers and a glitch | 5 % | | `--spoilt` |
+//! | what the logs allow, with true states | | | `--floor` |
 //! | 95 % intervals that hold the truth | 93 to 97 % | | `--intervals` |
 #![forbid(unsafe_code)]
 
 mod figures;
 mod fitted;
+mod floor;
 mod intervals;
 mod kind;
 mod random;
@@ -76,6 +78,9 @@ struct Args {
     /// Also fit logs with outliers and a glitch
     #[arg(long)]
     spoilt: bool,
+    /// Also what least squares on the true temperatures and histories reach
+    #[arg(long)]
+    floor: bool,
     /// Count how often intervals hold the truth, in place of all else
     #[arg(long)]
     intervals: bool,
@@ -123,6 +128,7 @@ fn main() -> Result<()> {
         model: args.model.into(),
         start: args.start,
         spoilt: args.spoilt,
+        floor: args.floor,
     };
     let kinds = args.kinds.iter();
     let units = kinds.flat_map(|kind| args.seeds.clone().map(move |seed| (kind, seed)));
@@ -172,6 +178,7 @@ mod tests {
             model: Model::Composite,
             start: true,
             spoilt: false,
+            floor: false,
         };
         let outcomes = trial::of_unit("smooth", 1, &plan).unwrap();
         assert_eq!(outcomes.len(), 3);

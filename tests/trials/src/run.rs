@@ -13,6 +13,8 @@ pub(crate) struct Run {
     pub(crate) log: Log,
     /// For each axis, the true bias of each row \[unit of the axis\].
     pub(crate) truth: [Vec<f64>; 3],
+    /// For each axis, the true temperature of its cavity in each row \[degC\].
+    pub(crate) cavity_c: [Vec<f64>; 3],
 }
 
 impl Run {
@@ -39,7 +41,7 @@ impl Run {
         rate_hz: f64,
     ) -> Result<Self, SimulationError> {
         let (mut time_s, mut temp_c) = (Vec::new(), Vec::new());
-        let [mut raw, mut truth] = [(); 2].map(|()| [(); 3].map(|()| Vec::new()));
+        let [mut raw, mut truth, mut cavity_c] = [(); 3].map(|()| [(); 3].map(|()| Vec::new()));
         let per_count = rate_per_count(unit, rate_hz);
         for sample in Simulation::new(unit, profile, seed, rate_hz)? {
             // A row without a temperature is a bad row; readers leave it out where that is asked for.
@@ -51,6 +53,7 @@ impl Run {
             for axis in 0..3 {
                 raw[axis].push(sample.counts[axis] as f64 * per_count);
                 truth[axis].push(sample.truth.bias[axis]);
+                cavity_c[axis].push(sample.truth.cavity_c[axis]);
             }
         }
         let axes = AXIS_NAMES.iter().zip(raw).map(|(name, raw)| Axis {
@@ -73,7 +76,11 @@ impl Run {
             skipped_rows: SkippedRows::default(),
             interval_s: 1.0 / rate_hz,
         };
-        Ok(Self { log, truth })
+        Ok(Self {
+            log,
+            truth,
+            cavity_c,
+        })
     }
 }
 

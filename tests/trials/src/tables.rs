@@ -2,7 +2,7 @@
 
 use crate::figures::{geometric_mean, worst};
 use crate::table;
-use crate::trial::{Outcome, Pair, Spoilt};
+use crate::trial::{Floor, Outcome, Pair, Spoilt};
 
 /// An axis is worse than by the composite model beyond this ratio; below, it is a matter of chance.
 const WORSE: f64 = 1.05;
@@ -16,6 +16,9 @@ pub(crate) fn print(kinds: &[String], outcomes: &[Outcome]) {
     }
     if outcomes.iter().any(|of| of.spoilt.is_some()) {
         spoilt(kinds, outcomes);
+    }
+    if outcomes.iter().any(|of| of.floor.is_some()) {
+        floor(kinds, outcomes);
     }
 }
 
@@ -102,6 +105,25 @@ fn spoilt(kinds: &[String], outcomes: &[Outcome]) {
         &rows
             .map(|(kind, [a, b, c, d])| [kind, a, b, c, d])
             .collect::<Vec<_>>(),
+    );
+}
+
+fn floor(kinds: &[String], outcomes: &[Outcome]) {
+    let rows = by_kind(kinds, outcomes, |of| {
+        let mean = |of_axis: fn(&Floor) -> f64, pair: fn(&Outcome) -> Pair| {
+            let of = of.iter();
+            let ratios = of.filter_map(|of| Some(of_axis(of.floor.as_ref()?) / pair(of).composite));
+            format!("{:.3}", geometric_mean(&ratios.collect::<Vec<_>>()))
+        };
+        [
+            mean(|of| of.verification, |of| of.verification),
+            mean(|of| of.wandering, |of| of.wandering),
+        ]
+    });
+    table::print(
+        "True states by least squares, as a ratio to the composite model",
+        ["kind", "verification", "wandering"],
+        &rows.map(|(kind, [a, b])| [kind, a, b]).collect::<Vec<_>>(),
     );
 }
 

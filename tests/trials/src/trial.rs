@@ -7,6 +7,7 @@ use tempco_set::Model;
 use tempco_twin::AXIS_NAMES;
 
 use crate::fitted::Fitted;
+use crate::floor::TrueStates;
 use crate::kind::{Purpose, Specimen};
 use crate::run::Run;
 use crate::spoilt::{Disturbance, spoil};
@@ -21,6 +22,8 @@ pub(crate) struct Plan {
     pub(crate) start: bool,
     /// Whether the model is fitted to spoilt logs as well.
     pub(crate) spoilt: bool,
+    /// Whether the true states are fitted as well.
+    pub(crate) floor: bool,
 }
 
 /// An error of the model under trial and of the composite model, from the same log \[unit of the axis\].
@@ -48,6 +51,15 @@ pub(crate) struct Spoilt {
     pub(crate) glitch: f64,
 }
 
+/// Errors of least squares on the true states \[unit of the axis\].
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(crate) struct Floor {
+    /// On the mission like a verification.
+    pub(crate) verification: f64,
+    /// On the mission of random ramps.
+    pub(crate) wandering: f64,
+}
+
 /// How an axis did.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct Outcome {
@@ -69,6 +81,9 @@ pub(crate) struct Outcome {
     /// On the mission like a verification, of the model fitted to spoilt logs.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) spoilt: Option<Spoilt>,
+    /// With the true states, on both missions.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) floor: Option<Floor>,
     /// Codes by which the fit says that the model is no better than the composite model, or none.
     pub(crate) said: Vec<&'static str>,
 }
@@ -96,7 +111,8 @@ fn try_unit(kind: &str, seed: u64, plan: &Plan) -> Result<Vec<Outcome>> {
     };
     let mission = specimen.mission(Purpose::Verification)?;
     let verification = errors(Fitted::errors, &mission)?;
-    let wandering = errors(Fitted::errors, &specimen.mission(Purpose::Wandering)?)?;
+    let wander = specimen.mission(Purpose::Wandering)?;
+    let wandering = errors(Fitted::errors, &wander)?;
     let start = match plan.start {
         true => Some(errors(
             Fitted::start_errors,
@@ -118,6 +134,16 @@ fn try_unit(kind: &str, seed: u64, plan: &Plan) -> Result<Vec<Outcome>> {
         false => None,
     };
 
+    let floor = |axis: usize| {
+        plan.floor.then(|| {
+            let states = TrueStates::fit(&specimen.unit, axis, &training);
+            Floor {
+                verification: states.error(&mission),
+                wandering: states.error(&wander),
+            }
+        })
+    };
+
     let chosen = model.description();
     let said = model.said();
     let outcome = |axis: usize| Outcome {
@@ -129,6 +155,7 @@ fn try_unit(kind: &str, seed: u64, plan: &Plan) -> Result<Vec<Outcome>> {
         wandering: wandering[axis],
         start: start.as_ref().map(|of| of[axis]),
         spoilt: spoilt.as_ref().map(|of| of[axis]),
+        floor: floor(axis),
         said: said[axis].clone(),
     };
     Ok((0..AXIS_NAMES.len()).map(outcome).collect())
