@@ -36,7 +36,7 @@ impl Fitted {
     /// Fits a model with its defaults, as `tempco fit` does.
     ///
     /// # Errors
-    /// Those of the fit.
+    /// The errors of the fit.
     pub(crate) fn new(model: Model, logs: &[Log]) -> Result<Self> {
         Ok(Self(fit(logs, &FitOptions::new("TRIAL", model))?))
     }

@@ -51,7 +51,7 @@ impl TrueStates {
             range_c,
             coefficients: DVector::zeros(0),
         };
-        // The constant of the first log is that of the spline; each other log has one of its own.
+        // The spline holds the constant of the first log; each other log has one of its own.
         let own = training.len() - 1;
         let columns = states.columns() + own;
         let mut normal = DMatrix::zeros(columns, columns);

@@ -55,7 +55,7 @@ pub(crate) struct Share {
 /// Fits replicas under white noise, with and without a random walk.
 ///
 /// # Errors
-/// Those of the fit.
+/// The errors of the fit.
 pub(crate) fn coverage(replicas: u64) -> Result<Vec<Share>> {
     let mut shares = Vec::new();
     for (noise, walk) in [("white", 0.0), ("white and walk", WALK)] {
