@@ -43,7 +43,7 @@ fn a_bad_unit_does_not_stop_the_others() {
     fs::write(folder.join("F6_2.csv"), log(0.010)).unwrap();
     fs::write(folder.join("BAD.csv"), &log(0.010)[..5000]).unwrap();
 
-    let ran = bench.run("fit --batch logs --out sets --segments 10:40");
+    let ran = bench.run("fit --batch logs --out sets --model composite --segments 10:40");
     assert_eq!(ran.code, 1, "{}{}", ran.out, ran.err);
     assert!(ran.err.contains("unit BAD: logs/BAD.csv:"), "{}", ran.err);
     assert!(ran.out.contains("sets/summary.csv"), "{}", ran.out);
@@ -96,14 +96,14 @@ fn a_bad_unit_does_not_stop_the_others() {
     }
 
     // The set of a unit is the one that it gets alone.
-    bench.ok("fit logs/A1/run.csv --serial A1 --out alone --segments 10:40");
+    bench.ok("fit logs/A1/run.csv --serial A1 --out alone --model composite --segments 10:40");
     let set = |folder: &str| fs::read(bench.path(folder).join("table.rs")).unwrap();
     assert_eq!(set("sets/A1"), set("alone"));
 
     // Without the bad unit, all is well; the folder of sets is no unit.
     fs::remove_file(folder.join("BAD.csv")).unwrap();
-    bench.ok("fit --batch logs --out logs/sets --segments 10:40");
-    bench.ok("fit --batch logs --out logs/sets --segments 10:40");
+    bench.ok("fit --batch logs --out logs/sets --model composite --segments 10:40");
+    bench.ok("fit --batch logs --out logs/sets --model composite --segments 10:40");
 }
 
 /// What is wrong with one unit is said of it, and the others are fitted.
@@ -130,7 +130,7 @@ fn what_cannot_be_a_unit_does_not_stop_the_others() {
         piped.push(("PIPE", "logs/PIPE.csv: expected a regular file"));
     }
     let ran = bench.run_to_its_end(
-        "fit --batch logs --out sets --model spline --segments 10:30,25:40 --exclude 0:200 \
+        "fit --batch logs --out sets --model composite --segments 10:30,25:40 --exclude 0:200 \
          --no-report",
     );
     assert_eq!(ran.code, 1, "{}{}", ran.out, ran.err);
@@ -147,7 +147,7 @@ fn what_cannot_be_a_unit_does_not_stop_the_others() {
         ("Twin", "`Twin` and `TWIN` differ by case only"),
         ("TWIN", "`TWIN` and `Twin` differ by case only"),
         ("", "expected a name that a folder can have"),
-        ("COLD", "segment 27.5000..40.0000 degC holds 0 usable rows"),
+        ("COLD", "segment 25.0000..40.0000 degC holds 0 usable rows"),
         ("SHORT", "SHORT.csv: no row is left to fit"),
     ]
     .into_iter()

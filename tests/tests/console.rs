@@ -189,7 +189,7 @@ fn no_code_is_lost_in_the_worst_case() {
 fn only_a_terminal_has_colours() {
     let bench = Bench::new();
     bench.write("log.csv", &log(1, &["x"], line));
-    bench.ok("fit log.csv --serial S1 --tau 10 --out set --segments 10:40");
+    bench.ok("fit log.csv --serial S1 --tau 10 --out set --model composite --segments 10:40");
     let out = |variables: &[(&str, &str)]| {
         let mut command = Command::new(tempco_path());
         command
@@ -218,7 +218,7 @@ fn only_a_terminal_has_colours() {
 fn rounding_dust_is_shown_as_0() {
     let bench = Bench::new();
     bench.ok("simulate --unit paper --profile short --seed 1 --out log.csv");
-    bench.ok("fit log.csv --serial S1 --model spline --segments 6:30,20:45 --out set");
+    bench.ok("fit log.csv --serial S1 --model auto --out set");
     for command in [
         "inspect set/coefficients.json",
         "evaluate set/coefficients.json log.csv",

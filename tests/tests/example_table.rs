@@ -29,7 +29,9 @@ fn split(text: &str) -> (Vec<String>, Vec<f64>) {
 fn the_example_table_is_what_fit_writes() {
     let bench = Bench::new();
     bench.ok("simulate --unit paper --profile calibration --seed 1 --out cal.csv");
-    bench.ok("fit cal.csv --serial EXAMPLE --segments -15:15,5:35,25:60,50:80 --out set");
+    bench.ok(
+        "fit cal.csv --serial EXAMPLE --model composite --segments -15:15,5:35,25:60,50:80 --out set",
+    );
     let emitted = fs::read_to_string(bench.path("set/table.rs")).unwrap();
     let path = root().join("firmware/tables/example.rs");
     if std::env::var_os("TEMPCO_BLESS").is_some() {

@@ -42,7 +42,10 @@ fn aligned(bytes: &[u8]) -> Box<AlignedBytes<65_536>> {
 /// The core's tables from the image and from the JSON are equal to the bit.
 #[test]
 fn the_image_holds_the_tables_of_the_set() {
-    for (model, continuous) in [("--overlap hard", false), ("--model spline", true)] {
+    for (model, continuous) in [
+        ("--model composite --overlap hard", false),
+        ("--model auto", true),
+    ] {
         let bench = fitted(model);
         let place = aligned(&fs::read(bench.path("set/table.bin")).unwrap());
         let set = load_set(&bench.path("set/coefficients.json")).unwrap();
@@ -70,12 +73,12 @@ fn the_image_holds_the_tables_of_the_set() {
 
 #[test]
 fn inspect_shows_an_image_and_compares_it() {
-    let bench = fitted("");
+    let bench = fitted("--model composite");
     let shown = bench.ok("inspect set/table.bin --against set/coefficients.json");
     for part in ["unit SN?7", "layout 2.0", "axes in", "the image is that of"] {
         assert!(shown.contains(part), "{shown}");
     }
-    bench.ok("fit log.csv --serial SN8 --out other --segments 6:45");
+    bench.ok("fit log.csv --serial SN8 --out other --model composite --segments 6:45");
     let ran = bench.run("inspect set/table.bin --against other/coefficients.json");
     assert_eq!(ran.code, 1, "{}", ran.err);
     assert!(ran.err.contains("is not the image of"), "{}", ran.err);
@@ -117,7 +120,7 @@ fn inspect_shows_an_image_and_compares_it() {
 /// With history terms too, which only some sets have.
 #[test]
 fn an_image_is_applied_and_evaluated_as_the_set_it_is_made_from() {
-    let bench = fitted("");
+    let bench = fitted("--model composite");
     with_history(&bench);
     for folder in ["set", "with"] {
         let result = |file: &str| {
@@ -163,7 +166,7 @@ fn an_image_is_applied_and_evaluated_as_the_set_it_is_made_from() {
 
 #[test]
 fn an_image_is_refused_for_a_log_of_other_axes_or_units() {
-    let bench = fitted("");
+    let bench = fitted("--model composite");
     for (command, expected) in [
         (
             "apply set/table.bin log.csv --out out.csv --axis x=x_pulses:pulses",
@@ -222,7 +225,7 @@ fn a_serial_number_that_no_image_can_hold_is_refused() {
 /// image. Skipped, with a printed reason, where there is no C compiler.
 #[test]
 fn the_c_header_compiles_and_holds_the_same_numbers() {
-    let bench = fitted("");
+    let bench = fitted("--model composite");
     with_history(&bench);
     for folder in ["set", "with"] {
         let Some(printed) = printed_by_c(&bench, folder) else {

@@ -9,7 +9,7 @@ use tempco_tests::{Bench, root};
 const BEGIN: &str = "<!-- plan -->\n";
 const END: &str = "<!-- end of plan -->\n";
 const HEAD: &str = "\
-| profile | hours | composite x | y | z | spline x | y | z |
+| profile | hours | composite x | y | z | auto x | y | z |
 | --- | --- | --- | --- | --- | --- | --- | --- |
 ";
 const RUNS: [&str; 5] = ["up_only", "static", "one_rate", "cycles", "calibration"];
@@ -35,7 +35,7 @@ fn row(run: &str, bench: &Bench) -> String {
     let last = text.lines().last().unwrap().split(',').next().unwrap();
     let hours = last.parse::<f64>().unwrap() / 3600.0;
     let mut row = format!("| `{run}` | {hours:.1} |");
-    for model in ["composite", "spline"] {
+    for model in ["composite", "auto"] {
         let set = format!("{run}_{model}");
         bench.ok(&format!(
             "fit {log} --serial PLAN --out {set} --model {model} --no-report"

@@ -28,7 +28,7 @@ fn fitted(serial: &str) -> Bench {
     let bench = Bench::new();
     bench.ok("simulate --unit paper --profile short --seed 5 --out long.csv");
     let ran = bench.run(&format!(
-        "fit long.csv --serial {serial} --out set --segments 6:45 --no-report"
+        "fit long.csv --serial {serial} --out set --model composite --segments 6:45 --no-report"
     ));
     assert!(ran.code < 2, "{}", ran.err);
     let long = fs::read_to_string(bench.path("long.csv")).unwrap();
@@ -271,8 +271,8 @@ fn fifty_hz() -> String {
 #[test]
 fn what_does_not_belong_together_is_refused_before_anything_is_written() {
     let bench = fitted("SN1");
-    bench.ok("fit long.csv --serial SN2 --out other --segments 6:45 --no-report");
-    bench.ok("fit long.csv --serial SN1 --axis x=x_pulses:pulses --out narrow --segments 6:45 --no-report");
+    bench.ok("fit long.csv --serial SN2 --out other --model composite --segments 6:45 --no-report");
+    bench.ok("fit long.csv --serial SN1 --axis x=x_pulses:pulses --out narrow --model composite --segments 6:45 --no-report");
     let (port, flash) = simulated(&bench, "SN1");
     let port = port.display();
     for (command, expected) in [
@@ -368,7 +368,7 @@ fn a_set_that_does_not_fit_the_board_is_refused() {
         ),
     ] {
         let ran = bench.run(&format!(
-            "fit long.csv --serial SN1 {options} --out {set} --segments 6:45 --no-report"
+            "fit long.csv --serial SN1 {options} --out {set} --model composite --segments 6:45 --no-report"
         ));
         assert!(ran.code < 2, "{}", ran.err);
     }

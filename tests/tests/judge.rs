@@ -116,6 +116,13 @@ fn held_out(set: &mut Value, figures: &[(&str, f64)]) {
     }
 }
 
+/// Another model that does better than the fitted one by more than one standard error.
+fn surpassed(set: &mut Value, by: &str) {
+    held_out(set, &[(by, 0.4)]);
+    set["channels"][0]["axes"][0]["held_out"]["surpassed"] =
+        json!({"by": by, "rmse": 0.4, "excess": 0.56, "excess_sigma": 0.2});
+}
+
 fn signed_off(accepted: bool, worse_axes: &[&str]) -> Value {
     json!({"file": "old.csv", "sha256": "00", "judged": "2020-01-01T00:00:00Z", "tau_s": 10.0,
         "accepted": accepted, "worse_axes": worse_axes})
@@ -128,7 +135,7 @@ fn chosen(model: &str, rate_columns: usize, rates: &[f64]) -> Value {
             "excess_sigma": 0.1}})
 }
 
-const CASES: [Case; 41] = [
+const CASES: [Case; 47] = [
     PLAIN,
     Case {
         name: "segments that disagree",
@@ -218,8 +225,30 @@ const CASES: [Case; 41] = [
     },
     Case {
         name: "a cubic is better where it was left out",
-        change: |set| held_out(set, &[("cubic", 0.4)]),
+        change: |set| surpassed(set, "cubic"),
         codes: &["simpler_model_better"],
+        ..PLAIN
+    },
+    Case {
+        name: "a cubic is better where it was left out, within a standard error",
+        change: |set| held_out(set, &[("cubic", 0.4)]),
+        ..PLAIN
+    },
+    Case {
+        name: "a cubic is better where it was left out, by less than 5 %",
+        change: |set| {
+            surpassed(set, "cubic");
+            set["channels"][0]["axes"][0]["held_out"]["chosen"] = json!(0.42);
+        },
+        ..PLAIN
+    },
+    Case {
+        name: "no help where it was left out, and a cubic is better",
+        change: |set| {
+            surpassed(set, "cubic");
+            set["channels"][0]["axes"][0]["held_out"]["chosen"] = json!(1.0);
+        },
+        codes: &["held_out_no_better"],
         ..PLAIN
     },
     Case {
@@ -326,6 +355,34 @@ const CASES: [Case; 41] = [
         name: "one rate, and axes without rate terms",
         change: |set| set["channels"][0]["selection"] = chosen("spline", 2, &[1.0]),
         codes: &["history_terms_not_tried", "rate_terms_dropped"],
+        ..PLAIN
+    },
+    Case {
+        name: "a lag that is too short to be one",
+        change: |set| {
+            set["channels"][0]["selection"] = chosen("spline", 2, &[1.0, 2.0]);
+            set["channels"][0]["selection"]["chosen"]["tau_s"] = json!(11.0);
+        },
+        codes: &["rate_terms_dropped", "sensor_lags"],
+        ..PLAIN
+    },
+    Case {
+        name: "a second lag that runs ahead",
+        change: |set| {
+            set["channels"][0]["selection"] = chosen("spline", 2, &[1.0, 2.0]);
+            set["channels"][0]["selection"]["chosen"]["kappa2"] = json!(-0.06);
+        },
+        codes: &["rate_terms_dropped", "sensor_lags"],
+        ..PLAIN
+    },
+    Case {
+        name: "a second lag that runs ahead of a first one that does not",
+        change: |set| {
+            set["channels"][0]["selection"] = chosen("spline", 2, &[1.0, 2.0]);
+            set["channels"][0]["selection"]["chosen"]["kappa"] = json!(0.1);
+            set["channels"][0]["selection"]["chosen"]["kappa2"] = json!(-0.06);
+        },
+        codes: &["rate_terms_dropped"],
         ..PLAIN
     },
     Case {

@@ -221,7 +221,8 @@ fn doubts_about_a_log_are_warnings() {
     }
     // A clean set is warned of by the log that it is judged on, and a clean log leaves no doubt.
     bench.write("plain.csv", &logs()[0].2);
-    let ran = bench.run("fit plain.csv --serial S1 --out clean --no-report --json");
+    let ran =
+        bench.run("fit plain.csv --serial S1 --model composite --out clean --no-report --json");
     assert_eq!(warned(&ran.out), Vec::<String>::new(), "{}", ran.out);
     let ran = bench.run("evaluate clean/coefficients.json restarted.csv --json");
     let codes = warned(&ran.out);

@@ -68,7 +68,7 @@ fn a_worse_set_is_rejected_by_exit_code() {
     // What the set takes out is then what it should put in.
     let turned = with_x_pulses(&log, |pulses| -pulses);
     bench.write("turned.csv", &turned);
-    bench.ok("fit log.csv --serial S1 --out set --segments 6:45");
+    bench.ok("fit log.csv --serial S1 --out set --model composite --segments 6:45");
     bench.ok("evaluate set/coefficients.json log.csv");
     let ran = bench.run("evaluate set/coefficients.json turned.csv");
     assert_eq!(ran.code, 1);
@@ -83,7 +83,9 @@ fn a_worse_set_is_rejected_by_exit_code() {
 fn apply_writes_what_the_core_computes() {
     let bench = Bench::new();
     bench.ok("simulate --unit paper --profile short --seed 4 --out log.csv");
-    bench.ok("fit log.csv --serial S1 --out set --scale-factor 1.5 --segments 6:45");
+    bench.ok(
+        "fit log.csv --serial S1 --out set --scale-factor 1.5 --model composite --segments 6:45",
+    );
     bench.ok("apply set/coefficients.json log.csv --out out.csv");
     let out = std::fs::read_to_string(bench.path("out.csv")).unwrap();
     let mut lines = out.lines();
@@ -112,7 +114,7 @@ fn the_same_seed_gives_the_same_bytes_throughout() {
             "simulate --unit paper --profile short --seed 5 --out {run}.csv --truth {run}.truth.csv"
         ));
         bench.ok(&format!(
-            "fit {run}.csv --serial S1 --out {run} --segments 6:45"
+            "fit {run}.csv --serial S1 --out {run} --model composite --segments 6:45"
         ));
     }
     let read = |name: &str| std::fs::read(bench.path(name)).unwrap();
@@ -125,7 +127,7 @@ fn the_same_seed_gives_the_same_bytes_throughout() {
 fn a_damaged_set_is_refused() {
     let bench = Bench::new();
     bench.ok("simulate --unit paper --profile short --seed 6 --out log.csv");
-    bench.ok("fit log.csv --serial S1 --out set --segments 6:45");
+    bench.ok("fit log.csv --serial S1 --out set --model composite --segments 6:45");
     let json = std::fs::read_to_string(bench.path("set/coefficients.json")).unwrap();
     for (file, change) in [
         ("cell.json", &["cells", "0", "0", "1"][..]),
@@ -180,7 +182,7 @@ fn temperatures_per_axis_are_fitted_and_replayed_apart() {
         })
         .collect();
     bench.write("three.csv", &three.join("\n"));
-    bench.ok("fit three.csv --serial S1 --out set --segments 5:45");
+    bench.ok("fit three.csv --serial S1 --out set --model composite --segments 5:45");
     let out = bench.ok("evaluate set/coefficients.json three.csv --tau 10");
     assert!(out.contains("| z "), "{out}");
     let out = bench.ok("replay set/coefficients.json three.csv --target qemu");
@@ -198,7 +200,7 @@ fn rounding_that_matters_is_warned_of() {
     bench.write("shifted.csv", &shifted);
     for (file, warned) in [("log.csv", false), ("shifted.csv", true)] {
         let ran = bench.run(&format!(
-            "fit {file} --serial S1 --segments 5:45 --out {file}.set"
+            "fit {file} --serial S1 --model composite --segments 5:45 --out {file}.set"
         ));
         assert_eq!(ran.code, 0, "{}", ran.err);
         let said = format!("{}{}", ran.out, ran.err);

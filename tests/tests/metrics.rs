@@ -44,7 +44,7 @@ fn fitted(log: &str) -> Bench {
     let bench = Bench::new();
     bench.write("log.csv", log);
     bench.ok("fit log.csv --serial S1 --out static --model static --segments 5:45");
-    bench.ok("fit log.csv --serial S1 --out set --segments 5:45");
+    bench.ok("fit log.csv --serial S1 --out set --model composite --segments 5:45");
     bench
 }
 
@@ -274,7 +274,7 @@ fn what_is_too_short_is_not_measured_and_says_why() {
 fn tables_fit_into_100_columns() {
     let bench = Bench::new();
     bench.ok("simulate --unit paper --profile short --seed 3 --out log.csv");
-    bench.ok("fit log.csv --serial S1 --out set --segments 6:45");
+    bench.ok("fit log.csv --serial S1 --out set --model composite --segments 6:45");
     let text = bench.ok("evaluate set/coefficients.json log.csv --verbose");
     // Messages are whole, on a line each.
     for line in text.lines().filter(|line| !line.starts_with("warning ")) {

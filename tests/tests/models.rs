@@ -10,32 +10,49 @@ fn set(bench: &Bench, folder: &str) -> serde_json::Value {
 }
 
 #[test]
-fn the_spline_is_chosen_by_what_was_left_out_and_says_from_what() {
+fn the_default_meets_itself_and_says_what_it_was_compared_with() {
     let bench = Bench::new();
     bench.ok("simulate --unit paper --profile calibration --seed 1 --out cal.csv");
     bench.ok("simulate --unit paper --profile verification --seed 2 --out ver.csv");
-    for model in ["spline", "auto"] {
-        let fitted = bench.ok(&format!(
-            "fit cal.csv --serial S1 --model {model} --out {model} --verbose"
-        ));
-        println!("{fitted}");
-        assert!(fitted.contains("Chosen:"), "{fitted}");
-        assert!(fitted.contains("left out of the fit"), "{fitted}");
-        let set = set(&bench, model);
-        let channel = &set["channels"][0];
-        assert_eq!(channel["selection"]["chosen"]["model"], "spline");
-        assert!(channel["selection"]["others"].as_array().unwrap().len() > 10);
-        assert!(channel["table"]["thermal"]["kappa"].as_f64().unwrap() > 0.2);
-        let json = bench.ok(&format!(
-            "evaluate {model}/coefficients.json ver.csv --json"
-        ));
-        let judged: serde_json::Value = serde_json::from_str(&json).unwrap();
-        for jump in judged["max_boundary_jump"].as_array().unwrap() {
-            assert_eq!(jump, 0.0);
-        }
+    let fitted = bench.ok("fit cal.csv --serial S1 --out set --verbose");
+    println!("{fitted}");
+    for said in ["left out of the fit", "Lags: ", "kappa of the plays"] {
+        assert!(fitted.contains(said), "{said}: {fitted}");
     }
+    assert!(!fitted.contains("Chosen:"), "{fitted}");
+    let found = set(&bench, "set");
+    let channel = &found["channels"][0];
+    let selection = &channel["selection"];
+    assert_eq!(selection["chosen"]["model"], "spline");
+    assert_eq!(selection["others"].as_array().unwrap().len(), 0);
+    let thermal = &channel["table"]["thermal"];
+    assert!(thermal["kappa"].as_f64().unwrap() > 0.2, "{thermal}");
+    for name in ["kappa", "kappa2", "play_kappa", "play_kappa2"] {
+        let of = |set: &serde_json::Value| set[name].as_f64().unwrap_or(0.0);
+        let (found, flies) = (of(&selection["chosen"]), of(thermal));
+        assert!((found - flies).abs() < 1e-6, "{name}: {found} {flies}");
+    }
+    let json = bench.ok("evaluate set/coefficients.json ver.csv --json");
+    let judged: serde_json::Value = serde_json::from_str(&json).unwrap();
+    for jump in judged["max_boundary_jump"].as_array().unwrap() {
+        assert_eq!(jump, 0.0);
+    }
+    // Segments that are fitted together have no condition number of their own.
+    let inspected = bench.ok("inspect set/coefficients.json --verbose");
+    let (_, coverage) = inspected.split_once("Data of each segment").unwrap();
+    let rows = coverage
+        .lines()
+        .skip(3)
+        .take_while(|line| line.starts_with('|'));
+    let rows: Vec<&str> = rows.collect();
+    assert!(rows.len() > 3, "{inspected}");
+    for row in rows {
+        assert!(row.ends_with(" - |"), "{row}");
+    }
+    let page = fs::read_to_string(bench.path("set/report.html")).unwrap();
+    assert!(page.contains("kappa of the plays") && !page.contains("Chosen for"));
     // Fixed by the user: fitted as given.
-    bench.ok("fit cal.csv --serial S1 --model spline --rate-tau 200 --kappa 0.5 --out fixed");
+    bench.ok("fit cal.csv --serial S1 --rate-tau 200 --kappa 0.5 --no-report --out fixed");
     let fixed = set(&bench, "fixed");
     let thermal = &fixed["channels"][0]["table"]["thermal"];
     assert_eq!(
@@ -68,20 +85,11 @@ fn options_of_a_model_do_what_they_say() {
             ["--overlap smooth", "--rate-tau 90", "--kappa 0.5"],
         ),
         (
-            "spline",
-            "--overlap spline --states auto",
-            [
-                "--overlap spline --rate-tau 90",
-                "--rate-tau 90 --kappa 0",
-                "--kappa 0.5",
-            ],
-        ),
-        (
             "auto",
-            "--overlap linear --states auto",
+            "--overlap linear",
             [
                 "--overlap linear --rate-tau 90",
-                "--states none --rate-tau 90",
+                "--rate-tau 90 --kappa 0",
                 "--kappa 0.5",
             ],
         ),
@@ -99,6 +107,7 @@ fn options_of_a_model_do_what_they_say() {
                 "{model} {other}"
             );
         }
+        assert_eq!(crc("") == default, model == "auto", "{model}");
     }
 }
 
@@ -107,7 +116,7 @@ fn excluded_stretches_are_left_out_and_counted() {
     let bench = Bench::new();
     bench.ok("simulate --unit paper --profile short --seed 1 --out log.csv");
     let printed = bench.ok(
-        "fit log.csv --serial S1 --segments 6:45 --out set --exclude 0:99.9 --exclude 200:299.9",
+        "fit log.csv --serial S1 --model composite --segments 6:45 --out set --exclude 0:99.9 --exclude 200:299.9",
     );
     assert!(
         printed.contains("400 rows left out: in excluded stretches"),
@@ -125,7 +134,7 @@ fn excluded_stretches_are_left_out_and_counted() {
 fn a_set_that_does_harm_is_marked_as_rejected_on_request_only() {
     let bench = Bench::new();
     bench.ok("simulate --unit paper --profile short --seed 1 --out log.csv");
-    bench.ok("fit log.csv --serial S1 --segments 6:45 --out set");
+    bench.ok("fit log.csv --serial S1 --model composite --segments 6:45 --out set");
     let text = fs::read_to_string(bench.path("log.csv")).unwrap();
     let flat = text.lines().enumerate().map(|(number, line)| {
         let cells: Vec<&str> = line.split(',').collect();

@@ -24,7 +24,7 @@ const RANGES: [&str; 7] = [
 /// for a serial port is none.
 const COMMANDS: [(&str, &[&str], &[&str]); 10] = [
     (
-        "fit log.csv --serial S1 --out OUT",
+        "fit log.csv --serial S1 --out OUT --model composite",
         &[
             "--rate-tau",
             "--kappa",
@@ -36,7 +36,7 @@ const COMMANDS: [(&str, &[&str], &[&str]); 10] = [
         &["--segments", "--exclude"],
     ),
     (
-        "fit log.csv --serial S1 --out OUT --no-report --model spline",
+        "fit log.csv --serial S1 --out OUT --no-report",
         &["--rate-tau", "--kappa", "--max-slew"],
         &["--segments", "--exclude"],
     ),
@@ -62,7 +62,7 @@ const COMMANDS: [(&str, &[&str], &[&str]); 10] = [
     ),
     (
         "simulate --unit paper --profile short --out OUT",
-        &["--rate", "--seed"],
+        &["--draw", "--rate", "--seed"],
         &[],
     ),
     (
@@ -79,7 +79,7 @@ const COMMANDS: [(&str, &[&str], &[&str]); 10] = [
 ];
 
 /// Options whose value is no number.
-const OTHERS: [&str; 22] = [
+const OTHERS: [&str; 21] = [
     "--against",
     "--axis",
     "--batch",
@@ -95,7 +95,6 @@ const OTHERS: [&str; 22] = [
     "--report",
     "--serial",
     "--show",
-    "--states",
     "--target",
     "--temp",
     "--time",
@@ -121,7 +120,7 @@ fn every_command_ends_whatever_number_it_is_given() {
     bench.write("log.csv", &log());
     bench.write("units/A1.csv", &log());
     bench.write("units/B2.csv", &log());
-    bench.ok("fit log.csv --serial S1 --out set --segments 10:40 --no-report");
+    bench.ok("fit log.csv --serial S1 --out set --model composite --segments 10:40 --no-report");
     let mut runs = Vec::new();
     for (command, numbers, ranges) in COMMANDS {
         let mut add = |options: &[&str], values: &[&str], is_bad: bool| {

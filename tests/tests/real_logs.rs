@@ -10,12 +10,14 @@ use tempco_set::run::{apply, thermal_points};
 use tempco_set::{Model, Warning, WarningCode};
 use tempco_tests::{Bench, shared};
 
-/// Runs a log through every command and returns what `fit` printed.
-fn whole_chain(name: &str, tau_s: &str) -> Option<String> {
+/// Runs a log through every command, and returns what `fit` printed of the paper's model and of the
+/// default, which goes on.
+fn whole_chain(name: &str, tau_s: &str) -> Option<[String; 2]> {
     let log = shared(&format!("data/{name}"))?;
     let log = log.display();
     let bench = Bench::new();
-    let fitted = bench.ok(&format!("fit {log} --serial REAL --out set --tau {tau_s}"));
+    let fit = format!("fit {log} --serial REAL --out set --tau {tau_s}");
+    let fitted = ["composite", "auto"].map(|model| bench.ok(&format!("{fit} --model {model}")));
     bench.ok(&format!("apply set/coefficients.json {log} --out out.csv"));
     bench.ok(&format!(
         "evaluate set/coefficients.json {log} --tau {tau_s}"
@@ -41,8 +43,9 @@ fn a_chamber_cycle_goes_through_every_command() {
     let Some(fitted) = whole_chain("tofupilot_imu_chamber_cycle.csv", "10.114") else {
         return;
     };
-    println!("{fitted}");
-    assert!(fitted.contains("4 segments"), "{fitted}");
+    let [composite, default] = fitted;
+    println!("{default}");
+    assert!(composite.contains("4 segments"), "{composite}");
 }
 
 #[test]
@@ -50,8 +53,9 @@ fn a_cold_start_goes_through_every_command() {
     let Some(fitted) = whole_chain("freeimu_mpu6050_cold_start.csv", "100") else {
         return;
     };
-    println!("{fitted}");
-    assert!(fitted.contains(": 1 segment,"), "{fitted}");
+    let [composite, default] = fitted;
+    println!("{default}");
+    assert!(composite.contains(": 1 segment,"), "{composite}");
 }
 
 /// Means over 20 rows: temperature, rate and the values of all axes.
@@ -176,30 +180,27 @@ fn one_part_of_the_chamber_cycle_does_not_spoil_the_other() {
     for (train, judge) in [(2800..log.rows(), 0..2700), (0..2700, 2800..log.rows())] {
         let (train, judge) = (part(&log, train), part(&log, judge));
         let cubic = cubic(&train, &judge);
-        for model in [Model::Spline, Model::Auto] {
-            let options = FitOptions {
-                tau_s: 10.114,
-                ..FitOptions::new("REAL", model)
-            };
-            let fitted = fit(std::slice::from_ref(&train), &options).unwrap();
-            let set = &fitted.set;
-            let applied = apply(set, &judge).unwrap();
-            let channel = &set.channels[0];
-            for ((axis, output), cubic) in channel.axes.iter().zip(&applied.axes).zip(&cubic) {
-                let left = rms_of_20(output.compensated.iter().map(|&v| f64::from(v)));
-                println!(
-                    "{} {}: {left:.5}, cubic {cubic:.5}, ratio {:.3}",
-                    model.name(),
-                    axis.name,
-                    left / cubic
-                );
-                assert!(axis.polynomials.iter().all(|p| p.r == [0.0; 2]));
-                assert!(left < 1.2 * cubic, "{}", axis.name);
-            }
-            assert_eq!(channel.table.thermal.kappa, 0.0);
-            let judgement = fitted.judge();
-            let said = |of: &Warning| of.code == WarningCode::NoRateTerms;
-            assert!(judgement.warnings.iter().any(said), "{judgement:?}");
+        let options = FitOptions {
+            tau_s: 10.114,
+            ..FitOptions::new("REAL", Model::Auto)
+        };
+        let fitted = fit(std::slice::from_ref(&train), &options).unwrap();
+        let set = &fitted.set;
+        let applied = apply(set, &judge).unwrap();
+        let channel = &set.channels[0];
+        for ((axis, output), cubic) in channel.axes.iter().zip(&applied.axes).zip(&cubic) {
+            let left = rms_of_20(output.compensated.iter().map(|&v| f64::from(v)));
+            println!(
+                "{}: {left:.5}, cubic {cubic:.5}, ratio {:.3}",
+                axis.name,
+                left / cubic
+            );
+            assert!(axis.polynomials.iter().all(|p| p.r == [0.0; 2]));
+            assert!(left < 1.2 * cubic, "{}", axis.name);
         }
+        assert_eq!(channel.table.thermal.kappa, 0.0);
+        let judgement = fitted.judge();
+        let said = |of: &Warning| of.code == WarningCode::NoRateTerms;
+        assert!(judgement.warnings.iter().any(said), "{judgement:?}");
     }
 }

@@ -137,17 +137,13 @@ fn what_cannot_be_fitted_is_refused() {
     for (args, expected) in [
         ("--segments 10:30,50:80", "leave a gap"),
         (
-            "--segments 10:30,25:60,55:80",
+            "--model composite --segments 10:30,25:60,55:80",
             "segment 55.0000..80.0000 degC holds 0 usable rows",
         ),
         ("--rate-tau 1.5", "half the rate estimator's time constant"),
         (
-            "--model spline --segments 10:30,25:60,55:80",
-            "segment 57.5000..80.0000 degC holds 0 usable rows, too few to fit",
-        ),
-        (
-            "--model auto --segments 10:45,40:80",
-            "segment 42.5000..80.0000 degC holds 0 usable rows, too few to fit",
+            "--model static --segments 10:45,40:80",
+            "segment 40.0000..80.0000 degC holds 0 usable rows, too few to fit",
         ),
         ("--kappa 3", "setting kappa"),
         ("--tau nan", "expected seconds, 1e-4 to 1e9"),
@@ -159,7 +155,7 @@ fn what_cannot_be_fitted_is_refused() {
             "log.csv: no row is left to fit: of 600, 600 lie in excluded stretches",
         ),
         (
-            "--exclude -inf:inf --model spline",
+            "--exclude -inf:inf --model composite",
             "log.csv: no row is left to fit: of 600, 600 lie in excluded stretches",
         ),
         ("--axis x=x_dph:rpm", "unknown unit `rpm`"),
@@ -170,18 +166,16 @@ fn what_cannot_be_fitted_is_refused() {
         ),
         ("--model cubic", "invalid value 'cubic'"),
         (
-            "--model spline --overlap hard",
-            "error: --overlap hard with --model spline: expected --overlap spline, or --model \
-             static, composite or auto",
+            "--model spline",
+            "was removed: auto, the default, has all that it had; leave the option out",
         ),
         (
-            "--model auto --overlap spline",
-            "error: --overlap spline with --model auto: expected --model spline, or --overlap \
-             none, hard, mean, linear or smooth",
+            "--overlap spline",
+            "was removed: auto, the default, has no overlaps; leave the option out",
         ),
         (
             "--states none",
-            "error: --states none with --model composite: expected --model spline or auto",
+            "was removed: auto finds history terms where the logs show them; leave the option out",
         ),
     ] {
         let ran = bench.run_to_its_end(&format!("fit log.csv --serial S1 --out set {args}"));

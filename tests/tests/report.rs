@@ -60,7 +60,7 @@ fn reports_read_well_on_every_screen() {
     bench.ok("simulate --unit paper --profile calibration --seed 1 --out cal.csv");
     bench.ok("simulate --unit paper --profile verification --seed 2 --out ver.csv");
     bench.ok(&format!(
-        "fit cal.csv --serial DEMO-1 --segments {PAPER_SEGMENTS} --out set"
+        "fit cal.csv --serial DEMO-1 --model composite --segments {PAPER_SEGMENTS} --out set"
     ));
     bench.ok("evaluate set/coefficients.json ver.csv --report ver.html");
     let xyz = ["x", "y", "z"];
@@ -70,9 +70,7 @@ fn reports_read_well_on_every_screen() {
 
     if let Some(log) = shared("data/tofupilot_imu_chamber_cycle.csv") {
         let log = log.display();
-        bench.run(&format!(
-            "fit {log} --serial REAL --model spline --tau 10.114 --out real"
-        ));
+        bench.run(&format!("fit {log} --serial REAL --tau 10.114 --out real"));
         let axes = ["gx", "gy", "gz", "ax", "ay", "az"];
         look(&mut browser, &bench.path("real/report.html"), "real", &axes);
     }
@@ -91,7 +89,7 @@ fn the_page_of_a_batch_reads_well_and_is_filtered() {
     }
     let log = fs::read_to_string(bench.path("logs/RLG-001.csv")).unwrap();
     bench.write("logs/CUT.csv", &log[..5000]);
-    let ran = bench.run("fit --batch logs --out sets --segments 6:45");
+    let ran = bench.run("fit --batch logs --out sets --model composite --segments 6:45");
     assert_eq!(ran.code, 1, "{}{}", ran.out, ran.err);
 
     let mut browser = Browser::start();
@@ -183,7 +181,7 @@ fn the_page_rejects_what_does_harm_and_trusts_no_name() {
         _ => line.to_owned(),
     });
     bench.write("turned.csv", &lines.collect::<Vec<_>>().join("\n"));
-    bench.ok("fit log.csv --serial <b>&\"S1 --out set --segments 6:45");
+    bench.ok("fit log.csv --serial <b>&\"S1 --out set --model composite --segments 6:45");
     let page = |name: &str| fs::read_to_string(bench.path(name)).unwrap();
     let fitted = page("set/report.html");
     assert!(fitted.contains("Calibration of unit &lt;b&gt;&amp;&quot;S1</h1>"));
@@ -207,7 +205,7 @@ fn history_terms_have_a_table_where_there_are_any() {
     const HEAD: &str = "lag up to [degC]";
     let bench = Bench::new();
     bench.ok("simulate --unit paper --profile short --seed 3 --out log.csv");
-    bench.ok("fit log.csv --serial S1 --out set --segments 6:45");
+    bench.ok("fit log.csv --serial S1 --out set --model composite --segments 6:45");
     let without = fs::read_to_string(bench.path("set/report.html")).unwrap();
     assert!(!without.contains(CAPTION) && !without.contains(HEAD));
 
@@ -253,7 +251,9 @@ fn what_is_judged_is_printed_as_json_too() {
     let bench = Bench::new();
     let json = |args: &str| -> Value { serde_json::from_str(&bench.ok(args)).unwrap() };
     bench.ok("simulate --unit paper --profile short --seed 3 --out log.csv");
-    let fitted = json("fit log.csv --serial S1 --out set --segments 6:45 --figures svg --json");
+    let fitted = json(
+        "fit log.csv --serial S1 --out set --model composite --segments 6:45 --figures svg --json",
+    );
     assert_ne!(fitted["verdict"], "rejected");
     assert_eq!(fitted["verified"], false);
     assert_eq!(fitted["rejections"], Value::Array(Vec::new()));
@@ -312,11 +312,13 @@ fn without_a_report_logs_are_read_once_and_may_be_pipes() {
             String::from_utf8_lossy(&output.stderr).into_owned(),
         )
     };
-    let (code, said) = pipe("fit /dev/stdin --serial S1 --out set --segments 6:45");
+    let (code, said) =
+        pipe("fit /dev/stdin --serial S1 --out set --model composite --segments 6:45");
     assert_eq!(code, Some(2));
     assert!(said.contains("reads a log twice"), "{said}");
     assert_eq!(bench.files(), ["log.csv"], "nothing may be written");
-    let (code, said) = pipe("fit /dev/stdin --serial S1 --out set --segments 6:45 --no-report");
+    let (code, said) =
+        pipe("fit /dev/stdin --serial S1 --out set --model composite --segments 6:45 --no-report");
     assert_eq!(code, Some(0), "{said}");
     assert!(!bench.path("set/report.html").exists());
 }

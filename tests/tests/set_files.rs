@@ -23,7 +23,7 @@ fn bench() -> Bench {
     bench
 }
 
-const FIT: &str = "--serial S1 --segments 10:40";
+const FIT: &str = "--serial S1 --model composite --segments 10:40";
 
 #[test]
 fn a_folder_with_files_of_two_sets_is_refused_and_named() {

@@ -15,7 +15,7 @@ fn sigmas(unit: &str, segments: &str) -> [(f64, f64); 3] {
         "simulate --unit {unit} --profile verification --seed 2 --out ver.csv"
     ));
     bench.ok(&format!(
-        "fit cal.csv --serial S1 --segments {segments} --out set"
+        "fit cal.csv --serial S1 --model composite --segments {segments} --out set"
     ));
     let ran = bench.run("evaluate set/coefficients.json ver.csv --json");
     let evaluation: Value = serde_json::from_str(&ran.out).unwrap();

@@ -9,7 +9,7 @@ use tempco_tests::{Bench, tempco, tempco_path};
 const COMMANDS: [&str; 7] = [
     "simulate --unit paper --profile calibration --seed 1 --out cal.csv --truth truth.csv",
     "simulate --unit paper --profile verification --seed 2 --out ver.csv",
-    "fit cal.csv --serial S1 --segments -15:15,5:35,25:60,50:80 --out composite",
+    "fit cal.csv --serial S1 --model composite --segments -15:15,5:35,25:60,50:80 --out composite",
     "fit cal.csv --serial S1 --model auto --out auto",
     "apply auto/coefficients.json ver.csv --out out.csv",
     "evaluate auto/coefficients.json ver.csv --json",

@@ -134,7 +134,8 @@ impl Answer<'_> {
             ),
             None => (
                 "held out",
-                "held out: RMS of 10 s means in soaks and ramps left out of the fit".to_owned(),
+                "held out: RMS of 100 s means less white noise, in what was left out of the fit"
+                    .to_owned(),
                 self.set.axes().map(|(_, axis)| held_out(axis)).collect(),
             ),
         };

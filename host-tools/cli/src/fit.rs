@@ -211,7 +211,7 @@ fn write_set(
 fn options(args: &Args) -> Result<FitOptions> {
     Ok(FitOptions {
         serial: args.serial.clone().unwrap_or_default(),
-        method: args.method.method()?,
+        method: args.method.method(),
         thermal: args.method.thermal(args.max_slew),
         exclude: args.exclude.clone(),
         robust: !args.keep_outliers,

@@ -1,34 +1,33 @@
 //! Arguments of `tempco fit` that say what is fitted.
 
-use anyhow::{Result, bail, ensure};
 use clap::ValueEnum;
 use tempco::ThermalSettings;
-use tempco_fit::{Method, SegmentModel, SegmentOverlap, SplineSearch};
+use tempco_fit::{LagSearch, Method, SegmentModel, SegmentOverlap};
 use tempco_set::Segmentation;
 
-/// What is fitted. An option that the model does not use is refused.
+/// What is fitted.
 #[derive(clap::Args)]
 pub(crate) struct MethodArgs {
     /// Model of the bias, with temperature T and its rate T'
-    #[arg(long, value_enum, default_value = "composite")]
+    #[arg(long, default_value = "auto", value_parser = model)]
     model: ModelArg,
-    /// How neighbouring segments are joined where they overlap. Default: linear; with --model spline,
-    /// spline
-    #[arg(long, value_enum)]
+    /// How neighbouring segments of static and composite are joined where they overlap. Default: linear
+    #[arg(long, value_parser = overlap)]
     overlap: Option<OverlapArg>,
-    /// Segments in degC, such as "-15:15,5:35,25:60,50:80". Default: the measured range is divided
+    /// Segments in degC of static and composite, such as "-15:15,5:35,25:60,50:80"; with auto, of the
+    /// models that it is compared with. Default: the measured range is divided
     #[arg(long, value_name = "MIN:MAX,...", allow_hyphen_values = true)]
     segments: Option<Segmentation>,
-    /// Time constant of the rate estimator, in s. Default: fitted for spline and auto, else 60
+    /// Time constant of the rate estimator, in s. Default: fitted for auto, else 60
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     rate_tau: Option<f32>,
     /// Share of the lag that is compensated, in u = T - kappa (T - L), with L the filtered T.
-    /// Default: fitted for spline and auto, else 0 as in the paper
+    /// Default: fitted for auto, else 0 as in the paper
     #[arg(long, allow_negative_numbers = true)]
     kappa: Option<f32>,
-    /// History terms, for spline and auto. Default: auto
-    #[arg(long, value_enum)]
-    states: Option<StatesArg>,
+    /// Removed: `auto` finds history terms where the logs show them
+    #[arg(long, hide = true, value_parser = states)]
+    states: Option<()>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -37,9 +36,7 @@ enum ModelArg {
     Static,
     /// The paper's model: the same + a3 T' + a4 T T'
     Composite,
-    /// These terms at a lag-compensated temperature, without jump or kink between segments
-    Spline,
-    /// The model that does best on soaks and ramps left out of the fit
+    /// These terms without jump or kink, two thermal lags and backlash, as the logs make most likely
     Auto,
 }
 
@@ -55,53 +52,35 @@ enum OverlapArg {
     Linear,
     /// A blend without a kink at the ends of the overlap
     Smooth,
-    /// Segments that meet in value and slope; for --model spline only
-    Spline,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum StatesArg {
-    /// Plays (backlash) and a second thermal lag, where they lower the error on soaks and ramps left
-    /// out of the fit; tried on logs with ramps of two rates or more
-    Auto,
-    /// No history terms
-    None,
 }
 
 impl MethodArgs {
     /// The method.
-    ///
-    /// # Errors
-    /// Names an option that the model does not use.
-    pub(crate) fn method(&self) -> Result<Method> {
-        let search = SplineSearch {
-            tau: self.rate_tau.is_none(),
-            kappa: self.kappa.is_none(),
-            history: self.states != Some(StatesArg::None),
+    pub(crate) fn method(&self) -> Method {
+        let overlap = match self.overlap {
+            Some(OverlapArg::None) => SegmentOverlap::None,
+            Some(OverlapArg::Hard) => SegmentOverlap::Hard,
+            Some(OverlapArg::Mean) => SegmentOverlap::Mean,
+            None | Some(OverlapArg::Linear) => SegmentOverlap::Linear,
+            Some(OverlapArg::Smooth) => SegmentOverlap::Smooth,
         };
         let segmentation = self.segments.clone();
+        let segments = |model| Method::Segments {
+            model,
+            overlap,
+            segmentation: segmentation.clone(),
+        };
         match self.model {
-            ModelArg::Static => self.segments(SegmentModel::Static),
-            ModelArg::Composite => self.segments(SegmentModel::Composite),
-            ModelArg::Spline => {
-                if let Some(overlap) = self.overlap {
-                    ensure!(
-                        overlap == OverlapArg::Spline,
-                        "--overlap {} with --model spline: expected --overlap spline, or --model \
-                         static, composite or auto",
-                        name(&overlap)
-                    );
-                }
-                Ok(Method::Spline {
-                    segmentation,
-                    search,
-                })
-            }
-            ModelArg::Auto => Ok(Method::Auto {
-                overlap: self.overlap_of_segments()?,
+            ModelArg::Static => segments(SegmentModel::Static),
+            ModelArg::Composite => segments(SegmentModel::Composite),
+            ModelArg::Auto => Method::Auto {
+                search: LagSearch {
+                    tau: self.rate_tau.is_none(),
+                    kappa: self.kappa.is_none(),
+                },
+                overlap,
                 segmentation,
-                search,
-            }),
+            },
         }
     }
 
@@ -115,42 +94,41 @@ impl MethodArgs {
             ..default
         }
     }
-
-    fn segments(&self, model: SegmentModel) -> Result<Method> {
-        if let Some(states) = self.states {
-            bail!(
-                "--states {} with --model {}: expected --model spline or auto",
-                name(&states),
-                name(&self.model)
-            );
-        }
-        Ok(Method::Segments {
-            model,
-            overlap: self.overlap_of_segments()?,
-            segmentation: self.segments.clone(),
-        })
-    }
-
-    fn overlap_of_segments(&self) -> Result<SegmentOverlap> {
-        match self.overlap {
-            Some(OverlapArg::None) => Ok(SegmentOverlap::None),
-            Some(OverlapArg::Hard) => Ok(SegmentOverlap::Hard),
-            Some(OverlapArg::Mean) => Ok(SegmentOverlap::Mean),
-            None | Some(OverlapArg::Linear) => Ok(SegmentOverlap::Linear),
-            Some(OverlapArg::Smooth) => Ok(SegmentOverlap::Smooth),
-            Some(OverlapArg::Spline) => bail!(
-                "--overlap spline with --model {}: expected --model spline, or --overlap none, \
-                 hard, mean, linear or smooth",
-                name(&self.model)
-            ),
-        }
-    }
 }
 
-/// A value as it is written on the command line.
-fn name(value: &impl ValueEnum) -> String {
-    let possible = value.to_possible_value().expect("no value is hidden");
-    possible.get_name().to_owned()
+/// A value of an option; `removed` ones say what took their place.
+fn value<T: ValueEnum>(given: &str, removed: &str, instead: &str) -> Result<T, String> {
+    T::from_str(given, false).map_err(|_| {
+        let names = T::value_variants().iter().filter_map(T::to_possible_value);
+        let names: Vec<String> = names.map(|of| of.get_name().to_owned()).collect();
+        match given == removed {
+            true => format!("was removed: {instead}"),
+            false => format!("expected one of {}", names.join(", ")),
+        }
+    })
+}
+
+fn model(given: &str) -> Result<ModelArg, String> {
+    value(
+        given,
+        "spline",
+        "auto, the default, has all that it had; leave the option out",
+    )
+}
+
+fn overlap(given: &str) -> Result<OverlapArg, String> {
+    value(
+        given,
+        "spline",
+        "auto, the default, has no overlaps; leave the option out",
+    )
+}
+
+fn states(_: &str) -> Result<(), String> {
+    Err(
+        "was removed: auto finds history terms where the logs show them; leave the option out"
+            .into(),
+    )
 }
 
 #[cfg(test)]
@@ -166,134 +144,90 @@ mod tests {
         method: MethodArgs,
     }
 
-    /// The table in `docs/calibration.md`.
-    fn is_allowed(model: &str, overlap: Option<&str>, states: Option<&str>) -> bool {
-        let is_spline = overlap == Some("spline");
-        match model {
-            "static" | "composite" => !is_spline && states.is_none(),
-            "spline" => overlap.is_none() || is_spline,
-            "auto" => !is_spline,
-            _ => unreachable!(),
-        }
-    }
-
-    /// Every option, given or not, with every model: either it is in the method, or it is refused.
+    /// Every option, given or not, with every model is in the method.
     #[test]
-    fn what_a_model_does_not_use_is_refused() {
-        let models = ["static", "composite", "spline", "auto"];
-        let overlaps = ["none", "hard", "mean", "linear", "smooth", "spline"];
+    fn options_are_in_the_method() {
         let or_not = |values: &[&'static str]| -> Vec<Option<&'static str>> {
             let given = values.iter().copied().map(Some);
             std::iter::once(None).chain(given).collect()
         };
-        let mut allowed = 0;
-        for model in models {
-            for &overlap in &or_not(&overlaps) {
-                for &states in &or_not(&["auto", "none"]) {
-                    for &segments in &or_not(&["-15:15,5:35"]) {
-                        for &tau in &or_not(&["90"]) {
-                            for &kappa in &or_not(&["0.5"]) {
-                                let options = [
-                                    ("--model", Some(model)),
-                                    ("--overlap", overlap),
-                                    ("--states", states),
-                                    ("--segments", segments),
-                                    ("--rate-tau", tau),
-                                    ("--kappa", kappa),
-                                ];
-                                allowed += usize::from(check(&options));
-                            }
+        for model in ["static", "composite", "auto"] {
+            for &overlap in &or_not(&["none", "hard", "mean", "linear", "smooth"]) {
+                for &segments in &or_not(&["-15:15,5:35"]) {
+                    for &tau in &or_not(&["90"]) {
+                        for &kappa in &or_not(&["0.5"]) {
+                            check(model, overlap, segments, (tau, kappa));
                         }
                     }
                 }
             }
         }
-        // Of 672.
-        assert_eq!(allowed, 8 * (2 * 6 + 2 * 3 + 6 * 3));
     }
 
-    /// Whether some options are allowed, each with its value.
-    fn check(options: &[(&str, Option<&str>); 6]) -> bool {
+    fn check(
+        model: &str,
+        overlap: Option<&str>,
+        segments: Option<&str>,
+        (tau, kappa): (Option<&str>, Option<&str>),
+    ) {
+        let options = [
+            ("--model", Some(model)),
+            ("--overlap", overlap),
+            ("--segments", segments),
+            ("--rate-tau", tau),
+            ("--kappa", kappa),
+        ];
         let given = options
             .iter()
             .filter_map(|(option, value)| Some(format!("{option}={}", (*value)?)));
         let args: Vec<String> = std::iter::once("fit".to_owned()).chain(given).collect();
         let args = Command::try_parse_from(&args).unwrap().method;
-        let [
-            (_, model),
-            (_, overlap),
-            (_, states),
-            (_, segments),
-            (_, tau),
-            (_, kappa),
-        ] = *options;
-        let model = model.unwrap();
-        let found = match args.method() {
-            Ok(found) => found,
-            Err(error) => {
-                assert!(!is_allowed(model, overlap, states), "{options:?}: {error}");
-                let error = error.to_string();
-                let (which, with) = error.split_once(": expected ").unwrap();
-                let of = |option: &str, value: Option<&str>| {
-                    which == format!("{option} {} with --model {model}", value.unwrap_or("-"))
-                };
-                assert!(
-                    of("--overlap", overlap) || of("--states", states),
-                    "{error}"
-                );
-                assert!(
-                    with.contains("--model spline") || model == "spline",
-                    "{error}"
-                );
-                return false;
-            }
-        };
-        assert!(is_allowed(model, overlap, states), "{options:?}");
+        let found = args.method();
         assert_eq!(found.model().name(), model);
-        let default = if model == "spline" {
+        let own = if model == "auto" {
             "spline"
         } else {
-            "linear"
+            overlap.unwrap_or("linear")
         };
-        assert_eq!(found.overlap().name(), overlap.unwrap_or(default));
-        let (given, search) = match &found {
-            Method::Segments { segmentation, .. } => (segmentation, None),
-            Method::Spline {
-                segmentation,
-                search,
-            }
-            | Method::Auto {
+        assert_eq!(found.overlap().name(), own);
+        let given = match &found {
+            Method::Segments { segmentation, .. } => segmentation,
+            Method::Auto {
                 segmentation,
                 search,
                 ..
-            } => (segmentation, Some(search)),
+            } => {
+                let expected = LagSearch {
+                    tau: tau.is_none(),
+                    kappa: kappa.is_none(),
+                };
+                assert_eq!(*search, expected);
+                segmentation
+            }
         };
         assert_eq!(given.is_some(), segments.is_some());
-        if let Some(search) = search {
-            let expected = SplineSearch {
-                tau: tau.is_none(),
-                kappa: kappa.is_none(),
-                history: states != Some("none"),
-            };
-            assert_eq!(*search, expected);
-        }
         let thermal = args.thermal(3.0);
         assert_eq!(thermal.max_slew_c_per_min, 3.0);
         assert_eq!(thermal.tau_s, tau.map_or(60.0, |tau| tau.parse().unwrap()));
         let kappa = kappa.map_or(0.0, |kappa| kappa.parse().unwrap());
         assert_eq!(thermal.kappa, kappa);
-        true
     }
 
     #[test]
     fn without_options_it_is_the_default_of_the_library() {
-        let of = |args: &[&str]| Command::try_parse_from(args).unwrap().method;
-        let composite = of(&["fit"]).method().unwrap();
+        let of = |args: &[&str]| Command::try_parse_from(args).unwrap().method.method();
+        assert_eq!(of(&["fit"]), Method::AUTO);
+        let composite = of(&["fit", "--model", "composite"]);
         assert_eq!(composite, Method::from(Model::Composite));
         assert_eq!(composite.overlap(), Overlap::Linear);
-        for (name, model) in [("spline", Model::Spline), ("auto", Model::Auto)] {
-            let found = of(&["fit", "--model", name]).method().unwrap();
-            assert_eq!(found, Method::from(model));
+    }
+
+    #[test]
+    fn what_was_removed_says_what_took_its_place() {
+        for option in ["--model=spline", "--overlap=spline", "--states=none"] {
+            let error = Command::try_parse_from(["fit", option]).err().unwrap();
+            let error = error.to_string();
+            assert!(error.contains("was removed: auto"), "{error}");
         }
     }
 }

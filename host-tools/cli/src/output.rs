@@ -7,7 +7,7 @@ use anyhow::{Context, Result};
 use comfy_table::{ContentArrangement, Row, Table, presets};
 use serde::Serialize;
 pub(crate) use tempco_evaluate::{figure, percent};
-pub(crate) use tempco_report::{states, table};
+pub(crate) use tempco_report::table;
 use tempco_set::escape;
 use tempco_set::files::{Draft, keep_all};
 

@@ -1,10 +1,11 @@
-//! Tables of the fit that a set came from: coverage, history terms, choice of the model.
+//! Tables of the fit that a set came from: coverage, history terms, errors of models, lags.
 
 use anyhow::Result;
 use comfy_table::Table;
+use tempco_report::{LAGS, gain, held_out_caption, lags, states};
 use tempco_set::{Candidate, ChannelSet, HistoryTerm, SegmentSet};
 
-use crate::output::{figure, print, print_lines, states, table};
+use crate::output::{figure, print, print_lines, table};
 
 /// The data of each segment.
 pub(crate) fn show_coverage(segments: &[SegmentSet]) -> Result<()> {
@@ -31,10 +32,10 @@ fn coverage(segments: &[SegmentSet]) -> Table {
             ]),
             None => row.extend(["-"; 4].map(str::to_owned)),
         }
-        row.push(if segment.rows > 0 {
-            figure(segment.condition)
-        } else {
-            "-".to_owned()
+        // Segments that are fitted together have no condition number of their own.
+        row.push(match segment.condition {
+            0.0 => "-".to_owned(),
+            condition => figure(condition),
         });
         row
     });
@@ -55,11 +56,10 @@ fn coverage(segments: &[SegmentSet]) -> Table {
 pub(crate) fn show_states(channel: &ChannelSet) -> Result<()> {
     let mut rows = Vec::new();
     for axis in &channel.axes {
-        for (term, gain) in channel.history(axis) {
-            let [value, sigma] = match gain.sigma {
-                0.0 => ["-".to_owned(), "-".to_owned()],
-                sigma => [format!("{:+.3e}", gain.gain), format!("{sigma:.1e}")],
-            };
+        for (term, found) in channel.history(axis) {
+            let sigma = (found.sigma != 0.0).then(|| format!("{:.1e}", found.sigma));
+            let [value, sigma] =
+                [gain(&found), sigma].map(|text| text.unwrap_or_else(|| "-".to_owned()));
             let term = match term {
                 HistoryTerm::Play { half_width_c } => {
                     format!("play, half width {} degC", figure(half_width_c.into()))
@@ -88,7 +88,8 @@ pub(crate) fn show_states(channel: &ChannelSet) -> Result<()> {
 /// Other candidates that are shown; the set holds all.
 const SHOWN: usize = 6;
 
-/// Errors on soaks and ramps left out of the fit, and the candidates for the model.
+/// Errors on soaks and ramps left out of the fit, the lags that were found, and the candidates for
+/// the model, where there were some.
 pub(crate) fn show_choice(channel: &ChannelSet) -> Result<()> {
     let held_out = channel
         .axes
@@ -109,15 +110,16 @@ pub(crate) fn show_choice(channel: &ChannelSet) -> Result<()> {
         })
         .collect();
     if let Some((_, errors)) = held_out.clone().next() {
-        print(format_args!(
-            "\nRMS error of means over 10 s that were left out of the fit, in {} parts of {} soaks \
-             and ramps",
-            errors.folds, errors.soaks_and_ramps
-        ))?;
+        print(format_args!("\n{}", held_out_caption(&errors)))?;
         let header = ["axis", "none", "static", "cubic", "composite", "this model"];
         print_lines(table(&header, rows))?;
     }
-    if let Some(selection) = &channel.selection {
+    let Some(selection) = &channel.selection else {
+        return Ok(());
+    };
+    print("\nLags: kappa is the share of a lag that is taken off the temperature")?;
+    print_lines(table(&LAGS, lags(channel).into_iter().map(Vec::from)))?;
+    if !selection.others.is_empty() {
         print(
             "\nChosen: the model of fewest coefficients whose held-out mean square is within one \
              standard error of the best",

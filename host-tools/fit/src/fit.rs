@@ -5,8 +5,8 @@ use tempco_evaluate::judge;
 use tempco_log::{Log, parallel};
 use tempco_set::run::thermal_period_s;
 use tempco_set::{
-    ChannelSet, CoefficientSet, Input, Judgement, Model, Provenance, Segmentation, Settings,
-    Warning, build,
+    Candidate, ChannelSet, CoefficientSet, Input, Judgement, Model, Provenance, Segmentation,
+    Selection, Settings, Warning, build,
 };
 
 use crate::channel_fit::Findings;
@@ -15,7 +15,7 @@ use crate::least_squares::Blocks;
 use crate::method::Method;
 use crate::options::FitOptions;
 use crate::outliers;
-use crate::spline::{self, Choice, Chosen, FixedLag, Question};
+use crate::spline::auto::{Answer, Chosen, Question};
 use crate::summary::{ChannelData, LogSummary, summarise_log};
 use crate::{extent, segments, statistics};
 
@@ -123,7 +123,7 @@ fn fit_channel(
             span_c,
         });
     }
-    // Segments are needed by every method: splines are compared with the paper's models over them.
+    // Segments are needed by every method: the default is compared with the paper's models.
     let method = &options.method;
     let segmentation = match method.segmentation() {
         Some(given) => given.clone(),
@@ -134,43 +134,44 @@ fn fit_channel(
         data,
         blocks: &blocks,
         settings: options.thermal,
-        fixed: FixedLag::new(method.search(), &options.thermal),
         method,
     };
-    // A method of segments is as asked for; splines are chosen by cross-validation.
-    let (choice, selection, chosen) = match method {
+    let folds = question.folds();
+    let (mut fitted, chosen, candidate) = match method {
         Method::Segments { model, .. } => {
-            let choice = Choice::Segments {
-                model: *model,
-                segmentation: segmentation.clone(),
-            };
-            (choice, None, Chosen::Segments(*model))
+            let division = (&segmentation, method.overlap());
+            let terms = Model::from(*model).terms();
+            let fit = segments::fit(data, options.thermal, terms, division, warnings)?;
+            (fit, Chosen::Segments(*model), None)
         }
-        Method::Spline { .. } | Method::Auto { .. } => {
-            let answer = question.answer().map_err(FitError::Settings)?;
-            let (choice, selection, held_out) = answer.ok_or_else(|| FitError::Short {
+        Method::Auto { search, .. } => {
+            let answer = question.answer(*search, &folds)?;
+            let answer = answer.ok_or_else(|| FitError::Short {
                 files: data.files(),
                 block_s: data.of(0).block_s,
             })?;
-            (choice, Some(selection), Chosen::HeldOut(held_out))
+            let Answer {
+                fit,
+                held_out,
+                chosen,
+            } = answer;
+            (fit, Chosen::HeldOut(held_out), Some(chosen))
         }
     };
-    // Held-out errors of the chosen model and of the usual ones, on the same folds.
+    // Held-out errors of the model that flies and of the usual ones, on the same folds.
     let held_out = question
-        .comparison(&segmentation, chosen)
+        .comparison(&segmentation, &folds, chosen)
         .map_err(FitError::Settings)?;
-    // The chosen model is fitted to all that was kept.
-    let mut fitted = match choice {
-        Choice::Segments {
-            model,
-            segmentation,
-        } => {
-            let division = (&segmentation, method.overlap());
-            let terms = Model::from(model).terms();
-            segments::fit(data, options.thermal, terms, division, warnings)?
-        }
-        Choice::Spline(spline) => spline::fit(data, options.thermal, &spline)?,
-    };
+    let selection = candidate.map(|candidate| Selection {
+        soaks_and_ramps: folds.soaks_and_ramps,
+        folds: folds.count,
+        ramp_rates_c_per_min: folds.ramp_rates,
+        chosen: Candidate {
+            rmse: held_out.iter().filter_map(|of| of.chosen).collect(),
+            ..candidate
+        },
+        others: Vec::new(),
+    });
     // Axes whose terms do no better than a constant do without them.
     for (axis, errors) in held_out.iter().enumerate() {
         if errors.left_out.is_some() {

@@ -39,5 +39,5 @@ mod testing;
 
 pub use error::FitError;
 pub use fit::{Fit, fit, fit_summaries};
-pub use method::{Method, SegmentModel, SegmentOverlap, SplineSearch};
+pub use method::{LagSearch, Method, SegmentModel, SegmentOverlap};
 pub use options::FitOptions;

@@ -4,8 +4,7 @@ use tempco_set::{Model, Overlap, Segmentation};
 
 /// What is fitted. Every form has only the choices that it uses.
 ///
-/// Without a segmentation the measured range is divided: in the paper's manner by `Segments`, by
-/// cross-validation by the others.
+/// Without a segmentation the measured range is divided in the paper's manner.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Method {
     /// The paper's: each segment by itself, at the lag of the settings.
@@ -17,21 +16,15 @@ pub enum Method {
         /// The segments.
         segmentation: Option<Segmentation>,
     },
-    /// All segments together, without jump or kink.
-    Spline {
-        /// The segments; they meet in the middle of their overlaps.
-        segmentation: Option<Segmentation>,
-        /// What is searched.
-        search: SplineSearch,
-    },
-    /// Whichever of the others does best on soaks and ramps it was not fitted to.
+    /// All cells together, without jump or kink, with the lags, plays and smoothness that the logs
+    /// make most likely.
     Auto {
-        /// What is applied where segments overlap that are fitted by themselves.
+        /// What is searched.
+        search: LagSearch,
+        /// Overlap of the paper's models that it is compared with.
         overlap: SegmentOverlap,
-        /// The segments of all candidates.
+        /// Segments of these.
         segmentation: Option<Segmentation>,
-        /// What is searched for splines.
-        search: SplineSearch,
     },
 }
 
@@ -80,60 +73,57 @@ impl From<SegmentOverlap> for Overlap {
     }
 }
 
-/// What is searched for a spline beside its coefficients. What is not searched stays as in the
-/// settings of the thermal path.
+/// What is searched of the first lag; what is not stays as in the settings of the thermal path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct SplineSearch {
+pub struct LagSearch {
     /// Time constant of the rate estimator.
     pub tau: bool,
     /// Shift of the lag-compensated temperature.
     pub kappa: bool,
-    /// History terms: plays (backlash) and a second thermal lag, where they lower the error on
-    /// soaks and ramps left out of the fit by more than one standard error.
-    pub history: bool,
 }
 
-impl SplineSearch {
-    /// All of it.
+impl LagSearch {
+    /// Both.
     pub const ALL: Self = Self {
         tau: true,
         kappa: true,
-        history: true,
     };
 }
 
-/// A form with what it has by default: a linear blend, the measured range divided, everything
-/// searched.
+impl From<SegmentModel> for Method {
+    /// With a linear blend, the measured range divided.
+    fn from(model: SegmentModel) -> Self {
+        Self::Segments {
+            model,
+            overlap: SegmentOverlap::Linear,
+            segmentation: None,
+        }
+    }
+}
+
+/// A form with what it has by default; a spline is what the default fits.
 impl From<Model> for Method {
     fn from(model: Model) -> Self {
-        let (overlap, segmentation, search) = (SegmentOverlap::Linear, None, SplineSearch::ALL);
-        let segments = |model| Self::Segments {
-            model,
-            overlap,
-            segmentation: None,
-        };
         match model {
-            Model::Static => segments(SegmentModel::Static),
-            Model::Composite => segments(SegmentModel::Composite),
-            Model::Spline => Self::Spline {
-                segmentation,
-                search,
-            },
-            Model::Auto => Self::Auto {
-                overlap,
-                segmentation,
-                search,
-            },
+            Model::Static => SegmentModel::Static.into(),
+            Model::Composite => SegmentModel::Composite.into(),
+            Model::Spline | Model::Auto => Self::AUTO,
         }
     }
 }
 
 impl Method {
+    /// The default: everything searched.
+    pub const AUTO: Self = Self::Auto {
+        search: LagSearch::ALL,
+        overlap: SegmentOverlap::Linear,
+        segmentation: None,
+    };
+
     /// The form, as the set says it.
     pub fn model(&self) -> Model {
         match self {
             Self::Segments { model, .. } => (*model).into(),
-            Self::Spline { .. } => Model::Spline,
             Self::Auto { .. } => Model::Auto,
         }
     }
@@ -141,37 +131,24 @@ impl Method {
     /// The overlap, as the set says it.
     pub fn overlap(&self) -> Overlap {
         match self {
-            Self::Segments { overlap, .. } | Self::Auto { overlap, .. } => (*overlap).into(),
-            Self::Spline { .. } => Overlap::Spline,
+            Self::Segments { .. } => self.overlap_of_segments(),
+            Self::Auto { .. } => Overlap::Spline,
         }
     }
 
     /// The segments that were given.
     pub(crate) fn segmentation(&self) -> Option<&Segmentation> {
         match self {
-            Self::Segments { segmentation, .. }
-            | Self::Spline { segmentation, .. }
-            | Self::Auto { segmentation, .. } => segmentation.as_ref(),
+            Self::Segments { segmentation, .. } | Self::Auto { segmentation, .. } => {
+                segmentation.as_ref()
+            }
         }
     }
 
     /// The overlap of the paper's models, to which every fit is compared.
     pub(crate) fn overlap_of_segments(&self) -> Overlap {
         match self {
-            Self::Spline { .. } => Overlap::Linear,
-            Self::Segments { .. } | Self::Auto { .. } => self.overlap(),
-        }
-    }
-
-    /// What is searched; nothing for segments that are fitted by themselves.
-    pub(crate) fn search(&self) -> SplineSearch {
-        match self {
-            Self::Segments { .. } => SplineSearch {
-                tau: false,
-                kappa: false,
-                history: false,
-            },
-            Self::Spline { search, .. } | Self::Auto { search, .. } => *search,
+            Self::Segments { overlap, .. } | Self::Auto { overlap, .. } => (*overlap).into(),
         }
     }
 }

@@ -1,39 +1,47 @@
-//! Plays and second lags: found where they are, not found where they are not, and carried from the
-//! set to the table that flies.
+//! The default model: lags, plays and second lag found where they are, next to nothing where they
+//! are not, and carried from the set to the table that flies.
 
 mod worlds;
 
 use tempco::{Compensator, Interval, Table, Terms, Thermal, ThermalSettings};
-use tempco_fit::{Fit, FitOptions, Method, SplineSearch, fit};
+use tempco_fit::summary::summarise_log;
+use tempco_fit::{Fit, FitOptions, LagSearch, Method, SegmentOverlap, fit, fit_summaries};
 use tempco_log::{AxisUnit, Log};
 use tempco_set::run::apply;
-use tempco_set::{
-    CoefficientSet, GainSet, HistoryTerm, Model, Warning, WarningCode, load_set, table_rs,
-};
+use tempco_set::{ChannelSet, CoefficientSet, GainSet, Warning, WarningCode, load_set, table_rs};
 use worlds::{ChamberRun, Random, World, simulate};
+
+/// Lag, time constants and plays of the units \[s, degC\].
+const TAU_S: f32 = 120.0;
+const KAPPA: f32 = 0.8;
+const TAU2_S: f32 = 2400.0;
+const HALF_WIDTHS_C: [f32; 2] = [2.0, 12.0];
 
 /// A unit of one axis that is a table of the core.
 #[derive(Clone, Copy)]
 struct Unit {
-    play: Option<(f32, f32)>,
-    second_lag: Option<(f32, f32)>,
+    play_gains: [f32; 2],
+    lag2_gain: f32,
 }
 
 const PLAIN: Unit = Unit {
-    play: None,
-    second_lag: None,
+    play_gains: [0.0; 2],
+    lag2_gain: 0.0,
 };
 
 const WHOLE: Unit = Unit {
-    play: Some((2.5, 0.004)),
-    second_lag: Some((3600.0, -0.0005)),
+    play_gains: [0.005, 0.001],
+    lag2_gain: -0.0005,
 };
+
+/// A wave of the curve: in a parabola a shift of the temperature is the same as a rate term.
+const WAVE: (f64, f64) = (0.1, 0.12);
 
 /// Noise of a row of ten seconds.
 const WHITE: f64 = 0.01;
 
-/// Steps of the random walk from row to row: little, and as much as the history terms themselves by the
-/// end of a log.
+/// Steps of the random walk from row to row: little, and by the end of a log as much as the history
+/// terms themselves.
 const CALM: f64 = 1e-5;
 const RESTLESS: f64 = 5e-5;
 
@@ -46,22 +54,22 @@ fn run(unit: Unit, chamber_run: ChamberRun, seed: u64, walk_step: f64) -> Log {
     log.time_s = log.time_s.iter().copied().step_by(10).collect();
     log.interval_s = 10.0;
 
-    let (half_width1_c, play_gain) = unit.play.unwrap_or((1.0, 0.0));
-    let (tau2_s, lag_gain) = unit.second_lag.unwrap_or((2000.0, 0.0));
     let thermal = Thermal::new(ThermalSettings {
-        tau_s: 120.0,
-        kappa: 0.8,
-        half_width1_c,
-        play_kappa: 0.8,
-        tau2_s,
+        tau_s: TAU_S,
+        kappa: KAPPA,
+        half_width1_c: HALF_WIDTHS_C[0],
+        half_width2_c: HALF_WIDTHS_C[1],
+        play_kappa: KAPPA,
+        tau2_s: TAU2_S,
         lag2_min_c: -1000.0,
         lag2_max_c: 1000.0,
         ..ThermalSettings::DEFAULT
     });
-    let terms = [0.3, 0.5, -0.2, 0.03, 0.01, lag_gain, 0.0];
+    let terms = [0.3, 0.5, -0.2, 0.03, 0.01, unit.lag2_gain, 0.0];
     let cells = [[Terms::from_array(terms)]];
     let table = Table::new(thermal.unwrap(), -15.0, 80.0, &cells).unwrap();
-    let table = table.with_plays([[play_gain], [0.0]]).unwrap();
+    let [narrow, wide] = unit.play_gains;
+    let table = table.with_plays([[narrow], [wide]]).unwrap();
     let mut unit = Compensator::new(&table);
     unit.start(channel.temp_c[0]);
     let interval = Interval::new(table.thermal(), 10.0);
@@ -73,92 +81,184 @@ fn run(unit: Unit, chamber_run: ChamberRun, seed: u64, walk_step: f64) -> Log {
         .map(|&temp_c| {
             let out = unit.step(&interval, temp_c, [0.0]);
             walk += walk_step * random.normal();
-            f64::from(out.bias[0]) + walk + WHITE * random.normal()
+            let wave = WAVE.0 * (WAVE.1 * f64::from(out.point.effective_c)).sin();
+            f64::from(out.bias[0]) + wave + walk + WHITE * random.normal()
         })
         .collect();
     log
 }
 
 fn fitted(log: &Log) -> Fit {
-    let options = FitOptions::new("SIMULATED", Model::Spline);
+    let options = FitOptions::new("SIMULATED", Method::AUTO);
     fit(std::slice::from_ref(log), &options).unwrap()
 }
 
-/// Of five units one may be given a second play: that is within one standard error one time in six.
+/// What the second lag of the first axis adds per degC, in the middle of each cell.
+fn lag2_gains(channel: &ChannelSet) -> Vec<f64> {
+    let cells = channel.axes[0].polynomials.iter();
+    cells.map(|of| of.s[0]).collect()
+}
+
 #[test]
-fn width_time_constant_and_gains_of_a_unit_are_recovered() {
-    let recovered = (1..=5).filter(|&seed| {
+fn lags_and_gains_of_a_unit_are_recovered() {
+    for seed in 1..=3 {
         let set = fitted(&run(WHOLE, ChamberRun::ManyRates, seed, CALM)).set;
         let channel = &set.channels[0];
-        let found: Vec<_> = channel.history(&channel.axes[0]).collect();
-        println!("{found:?}");
-        let [
-            (HistoryTerm::Play { half_width_c }, of_play),
-            (HistoryTerm::SecondLag { tau2_s, limit_c }, of_lag),
-        ] = found[..]
-        else {
-            return false;
-        };
-        assert!((half_width_c / 2.5 - 1.0).abs() < 0.1);
-        assert!((tau2_s / 3600.0 - 1.0).abs() < 0.2);
-        assert!(limit_c > 20.0 && limit_c < 95.0);
-        // What is known of a play best is its height, gain times half width: the stated sigma is
-        // the gain's at the width that was found.
-        let width_c = f64::from(half_width_c);
-        let error = width_c * of_play.gain - 2.5 * 0.004;
-        assert!(error.abs() < 3.0 * width_c * of_play.sigma);
-        assert!((of_lag.gain + 0.0005).abs() < 3.0 * of_lag.sigma);
-        assert!(of_play.sigma < 2e-4 && of_lag.sigma < 5e-5);
-        assert_eq!(channel.table.play_gains, [[of_play.gain as f32, 0.0]]);
-        let of_lag = of_lag.gain as f32;
-        let mut cells = channel.table.cells.iter();
-        assert!(cells.all(|cell| (cell[0].s[0] / of_lag - 1.0).abs() < 1e-6));
-        true
-    });
-    assert!(recovered.count() >= 4);
+        let thermal = &channel.table.thermal;
+        println!("{thermal:?}");
+        println!("{:?} {:?}", channel.axes[0].gains, lag2_gains(channel));
+        assert!((thermal.tau_s / TAU_S - 1.0).abs() < 0.15);
+        assert!((thermal.kappa - KAPPA).abs() < 0.1);
+        assert!((thermal.tau2_s / TAU2_S - 1.0).abs() < 0.25);
+        assert!(thermal.kappa2.abs() < 0.02);
+        assert_eq!(channel.table.half_widths_c(), HALF_WIDTHS_C);
+        for (number, (gain, truth)) in channel.axes[0]
+            .gains
+            .iter()
+            .zip(WHOLE.play_gains)
+            .enumerate()
+        {
+            let error = gain.gain - f64::from(truth);
+            assert!(error.abs() < 0.2 * f64::from(truth), "{number}: {gain:?}");
+            assert!(gain.sigma > 0.0 && gain.sigma < 0.1 * f64::from(truth));
+            assert_eq!(channel.table.play_gains[0][number], gain.gain as f32);
+        }
+        let truth = f64::from(WHOLE.lag2_gain);
+        for gain in lag2_gains(channel) {
+            assert!((gain / truth - 1.0).abs() < 0.4, "{gain}");
+        }
+    }
+}
+
+/// What plays and second lag may add where there are none: a fifth of what a unit with them has,
+/// which is less than the random walk.
+#[test]
+fn a_unit_without_history_gets_hardly_any() {
+    for seed in 1..=4 {
+        let set = fitted(&run(PLAIN, ChamberRun::ManyRates, seed, RESTLESS)).set;
+        let channel = &set.channels[0];
+        let plays = channel.axes[0].gains.iter().zip(HALF_WIDTHS_C);
+        let of_plays: f64 = plays
+            .map(|(of, width_c)| of.gain.abs() * f64::from(width_c))
+            .sum();
+        let thermal = &channel.table.thermal;
+        let limit_c = thermal.lag2_max_c.max(-thermal.lag2_min_c);
+        let of_lag = lag2_gains(channel)
+            .iter()
+            .fold(0.0_f64, |most, of| most.max(of.abs()));
+        println!(
+            "{of_plays:.5} {:.5} {thermal:?}",
+            of_lag * f64::from(limit_c)
+        );
+        assert!(of_plays < 0.2 * (2.0 * 0.005 + 12.0 * 0.001), "{of_plays}");
+        assert!(
+            of_lag * f64::from(limit_c) < 0.2 * 0.0005 * 40.0,
+            "{of_lag}"
+        );
+    }
 }
 
 #[test]
-fn a_unit_without_history_gets_no_history_terms() {
-    let seeds = 10;
-    let found = (1..=seeds)
-        .filter(|&seed| {
-            let set = fitted(&run(PLAIN, ChamberRun::ManyRates, seed, RESTLESS)).set;
-            set.channels[0].table.has_history()
-        })
-        .count();
-    println!("{found} of {seeds}");
-    assert!(found <= 1);
-}
-
-#[test]
-fn one_rate_gives_no_history_terms_and_says_so() {
+fn one_rate_gives_no_second_lag_and_says_so() {
     let fit = fitted(&run(WHOLE, ChamberRun::OneRate, 1, CALM));
-    assert!(!fit.set.channels[0].table.has_history());
-    let rates = &fit.set.channels[0].selection.as_ref().unwrap();
-    assert_eq!(rates.ramp_rates_c_per_min.len(), 1);
+    let channel = &fit.set.channels[0];
+    assert!(!channel.table.has_second_lag());
+    assert!(lag2_gains(channel).iter().all(|&gain| gain == 0.0));
+    let selection = channel.selection.as_ref().unwrap();
+    assert_eq!(
+        (selection.chosen.tau2_s, selection.chosen.kappa2),
+        (None, 0.0)
+    );
+    assert_eq!(selection.ramp_rates_c_per_min.len(), 1);
     let judgement = fit.judge();
     let said = |of: &Warning| of.code == WarningCode::HistoryTermsNotTried;
     assert!(judgement.warnings.iter().any(said), "{judgement:?}");
 }
 
+/// One ramp: no temperature was passed at two rates.
 #[test]
-fn history_terms_can_be_declined() {
-    let log = run(WHOLE, ChamberRun::ManyRates, 1, CALM);
-    let method = Method::Spline {
-        segmentation: None,
-        search: SplineSearch {
-            history: false,
-            ..SplineSearch::ALL
-        },
-    };
-    let set = fit(&[log], &FitOptions::new("SIMULATED", method))
-        .unwrap()
-        .set;
-    assert!(!set.channels[0].table.has_history());
+fn few_soaks_and_ramps_give_neither_rate_terms_nor_history() {
+    let mut log = run(WHOLE, ChamberRun::ManyRates, 1, CALM);
+    let rows = 420;
+    log.time_s.truncate(rows);
+    log.channels[0].temp_c.truncate(rows);
+    log.channels[0].axes[0].raw.truncate(rows);
+    let fit = fitted(&log);
+    let channel = &fit.set.channels[0];
+    let selection = channel.selection.as_ref().unwrap();
+    assert!(
+        selection.soaks_and_ramps < 2,
+        "{}",
+        selection.soaks_and_ramps
+    );
+    assert_eq!(selection.chosen.rate_columns, 0);
+    assert!(!channel.table.has_history());
+    assert!(
+        channel.axes[0]
+            .polynomials
+            .iter()
+            .all(|of| of.r == [0.0; 2])
+    );
+    assert_eq!(channel.table.thermal.kappa, ThermalSettings::DEFAULT.kappa);
+    let said = |of: &Warning| of.code == WarningCode::NoRateTerms;
+    assert!(fit.judge().warnings.iter().any(said));
 }
 
-/// The set of two logs, in either order and in another unit.
+/// What is not searched stays as the settings have it.
+#[test]
+fn lags_that_are_given_stay() {
+    let log = run(WHOLE, ChamberRun::Verification, 1, CALM);
+    let (tau_s, kappa) = (90.0, 0.3);
+    let given = |tau: bool, kappa: bool| Method::Auto {
+        search: LagSearch { tau, kappa },
+        overlap: SegmentOverlap::Linear,
+        segmentation: None,
+    };
+    for (tau, searches_kappa) in [(false, false), (true, false), (false, true)] {
+        let options = FitOptions {
+            thermal: ThermalSettings {
+                tau_s,
+                kappa,
+                ..ThermalSettings::DEFAULT
+            },
+            ..FitOptions::new("SIMULATED", given(tau, searches_kappa))
+        };
+        let set = fit(std::slice::from_ref(&log), &options).unwrap().set;
+        let thermal = &set.channels[0].table.thermal;
+        let stays = |now: f32, before: f32| (now / before - 1.0).abs() < 1e-6;
+        assert_eq!(stays(thermal.tau_s, tau_s), !tau, "{}", thermal.tau_s);
+        assert_eq!(
+            stays(thermal.kappa, kappa),
+            !searches_kappa,
+            "{}",
+            thermal.kappa
+        );
+    }
+}
+
+/// All that a set holds, but for the time at which it was made.
+fn timeless(mut set: CoefficientSet) -> CoefficientSet {
+    set.provenance.created.clear();
+    set
+}
+
+#[test]
+fn the_same_logs_give_the_same_set() {
+    let log = run(WHOLE, ChamberRun::Verification, 1, CALM);
+    let [first, second] = [(); 2].map(|()| timeless(fitted(&log).set));
+    assert_eq!(first, second);
+    // So do summaries that were made apart.
+    let options = FitOptions::new("SIMULATED", Method::AUTO);
+    let plan = options.plan().unwrap();
+    let summaries = [summarise_log(&log, &plan)];
+    assert_eq!(
+        timeless(fit_summaries(&summaries, &options).unwrap().set),
+        first
+    );
+}
+
+/// The set of two logs, in either order and in another unit. The search ends where steps gain
+/// little, which rounding moves.
 #[test]
 fn order_of_logs_and_units_do_not_matter() {
     let logs = [
@@ -172,21 +272,26 @@ fn order_of_logs_and_units_do_not_matter() {
         axis.unit = AxisUnit::Dps;
         axis.raw.iter_mut().for_each(|raw| *raw /= 3600.0);
     }
-    let options = FitOptions::new("SIMULATED", Model::Auto);
+    let options = FitOptions::new("SIMULATED", Method::AUTO);
     let [set, turned, dps] = [&logs, &turned, &dps].map(|logs| fit(logs, &options).unwrap().set);
     for (other, scale) in [(&turned, 1.0), (&dps, 3600.0)] {
         let (a, b) = (&set.channels[0], &other.channels[0]);
-        assert!(a.table.has_second_lag() && a.table.half_widths_c()[0] > 0.0);
-        let widths = [a, b].map(|of| of.table.thermal.half_width1_c);
-        let taus_s = [a, b].map(|of| of.table.thermal.tau2_s);
-        for [a, b] in [widths, taus_s] {
-            assert!((b / a - 1.0).abs() < 1e-6, "{a} {b}");
+        assert!(a.table.has_second_lag());
+        let lags = |of: &ChannelSet| {
+            let of = &of.table.thermal;
+            [of.tau_s, of.tau2_s, of.kappa, of.play_kappa]
+        };
+        for (a, b) in lags(a).into_iter().zip(lags(b)) {
+            println!("{a} {b}");
+            assert!((b / a - 1.0).abs() < 0.03, "{a} {b}");
         }
-        let gains = |of: &tempco_set::ChannelSet| -> Vec<GainSet> {
-            of.history(&of.axes[0]).map(|(_, gain)| gain).collect()
+        let gains = |of: &ChannelSet| -> Vec<f64> {
+            let plays = of.axes[0].gains.iter().map(|of| of.gain);
+            plays.chain(lag2_gains(of)).collect()
         };
         for (a, b) in gains(a).iter().zip(gains(b)) {
-            assert!((b.gain * scale / a.gain - 1.0).abs() < 1e-5, "{a:?} {b:?}");
+            println!("{a} {}", b * scale);
+            assert!((b * scale / a - 1.0).abs() < 0.1, "{a:?} {b:?}");
         }
     }
 }

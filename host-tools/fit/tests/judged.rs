@@ -10,7 +10,7 @@ use tempco_set::{Judgement, Model, RejectionCode, WarningCode};
 
 use worlds::Random;
 
-const MODELS: [Model; 4] = [Model::Static, Model::Composite, Model::Spline, Model::Auto];
+const MODELS: [Model; 3] = [Model::Static, Model::Composite, Model::Auto];
 
 /// Temperatures [degC], one a second: two cycles between `low` and `high`, of 40 min each, with
 /// soaks at both ends.
@@ -71,8 +71,8 @@ fn has(judgement: &Judgement, code: WarningCode, axis: Option<&str>) -> bool {
     warnings.any(|of| of.code == code && of.axis.as_deref() == axis)
 }
 
-/// Wherever the flat axis is: `spline` and `auto` leave its terms out and say so, or they are better
-/// than a constant; the others stay as they are, and so do the paper's models.
+/// Wherever the flat axis is: the default leaves its terms out and says so, or it is better than a
+/// constant; the others stay as they are, and so do the paper's models.
 #[test]
 fn an_axis_whose_terms_do_not_help_keeps_the_constant_alone() {
     let temp_c = cycles(-10.0, 50.0);
@@ -88,10 +88,16 @@ fn an_axis_whose_terms_do_not_help_keeps_the_constant_alone() {
                 let fit = fitted(&log, model);
                 let judgement = fit.judge();
                 let case = format!("axis {flat}, seed {seed}, {model:?}: {:?}", judgement);
-                // Segments of an axis without bias disagree by the noise, which is all there is.
+                // Segments of an axis without bias disagree by the noise, which is all there is, and
+                // may be worse than a constant.
+                let is_free = model == Model::Auto;
+                let may_be = |code: RejectionCode| match code {
+                    RejectionCode::SegmentsDisagree => true,
+                    RejectionCode::HeldOutWorse => !is_free,
+                    _ => false,
+                };
                 let mut rejections = judgement.rejections.iter();
-                let disagree = RejectionCode::SegmentsDisagree;
-                assert!(rejections.all(|of| of.code == disagree), "{case}");
+                assert!(rejections.all(|of| may_be(of.code)), "{case}");
                 let channel = &fit.set.channels[0];
                 for (number, axis) in channel.axes.iter().enumerate() {
                     let errors = axis.held_out.unwrap();
@@ -100,7 +106,6 @@ fn an_axis_whose_terms_do_not_help_keeps_the_constant_alone() {
                     assert_eq!(is_constant, is_said, "{case}");
                     assert_eq!(is_constant, errors.left_out.is_some(), "{case}");
                     assert!(!is_constant || number == flat, "{case}");
-                    let is_free = matches!(model, Model::Spline | Model::Auto);
                     assert!(is_free || !is_constant, "{case}");
                     if is_free && number == flat {
                         assert!(
@@ -113,8 +118,8 @@ fn an_axis_whose_terms_do_not_help_keeps_the_constant_alone() {
             }
         }
     }
-    println!("terms left out in {left_out} of 18");
-    assert!(left_out >= 9, "{left_out}");
+    println!("terms left out in {left_out} of 9");
+    assert!(left_out >= 4, "{left_out}");
 }
 
 /// A set whose axes all keep the constant alone is no compensation.

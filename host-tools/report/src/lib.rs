@@ -21,7 +21,7 @@ mod text;
 
 pub use batch::batch_page;
 pub use gather::{Gatherer, LogTimes};
-pub use text::{states, table};
+pub use text::{LAGS, gain, held_out_caption, lags, states, table};
 
 use tempco_evaluate::Evaluation;
 use tempco_set::{CoefficientSet, Judgement};

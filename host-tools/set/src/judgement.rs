@@ -158,14 +158,17 @@ codes! {
             "An axis has no history terms, others have.",
             "If the axis has hysteresis, calibrate with more rates and turning points.";
         HistoryTermsNotTried = "history_terms_not_tried":
-            "All ramps are of one rate, so hysteresis and lag cannot be separated.",
-            "Calibrate with a second rate, if the unit has hysteresis.";
+            "All ramps are of one rate, so hysteresis and lags look the same.",
+            "Calibrate with a second rate, if the unit has hysteresis or warms up slowly.";
+        SensorLags = "sensor_lags":
+            "The temperature follows the source of the bias, so the model has to predict it.",
+            "Place the sensor nearer to the source, such as on the coil or the block of the gyro.";
         HeldOutNoBetter = "held_out_no_better":
             "On soaks and ramps left out of the fit, an axis is not better than without compensation.",
             "Do not use the set before a verification log accepts it.";
         SimplerModelBetter = "simpler_model_better":
-            "On soaks and ramps left out of the fit, a simpler model does better by 5 % or more.",
-            "Fit the simpler model, or let `--model auto` choose.";
+            "On soaks and ramps left out of the fit, another model does better by 5 % or more, by more than one standard error, and by 1 % of the error without compensation.",
+            "Fit the model that is named, or calibrate with more soaks and ramps.";
         ThinSegment = "thin_segment":
             "The fitted rows span less than 80 % of a segment.",
             "Make the segment narrower or the run wider.";

@@ -49,7 +49,7 @@ pub use dispatch::{ShapeUse, TableUse, use_axis, use_shape, use_tables};
 pub use emit::{set_of_image, table_bin, table_h, table_rs};
 pub use extent::{Extent, TooFast};
 pub use folder::{MARK, REPORT, TABLE_BIN, WriteError, file_names, strangers, write_set};
-pub use history::HistoryTerm;
+pub use history::{HistoryGain, HistoryTerm};
 pub use judgement::{Judgement, Rejection, RejectionCode, Verdict, Warning, WarningCode};
 pub use load::{SetError, check_folder, load_set, read_set};
 pub use model::{AxisModel, COMPOSITE, LOCAL_TERMS, Mismatch, Polynomial, TERMS};
@@ -58,7 +58,7 @@ pub use outliers::{BiasStep, Disturbance, Outliers, Stretch};
 pub use provenance::{Input, Provenance, SignOff};
 pub use rounding::RoundingBound;
 pub use segment::{Overlap, Piece, Segment, SegmentError, Segmentation};
-pub use selection::{Candidate, HeldOutErrors, Place, Selection};
+pub use selection::{Candidate, HeldOutErrors, Place, Selection, SimplerModel, Surpassed};
 pub use set::{
     ChannelSet, CoefficientSet, Coverage, FORMAT_VERSION, MISMATCH_ALARM, SegmentSet, Settings,
 };

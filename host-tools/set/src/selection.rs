@@ -51,6 +51,15 @@ pub struct Candidate {
     /// Time constant of its second lag \[s\].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tau2_s: Option<f64>,
+    /// Share of the second lag in the lag-compensated temperature.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub kappa2: f64,
+    /// As `kappa`, of the temperature that drags the plays.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub play_kappa: f64,
+    /// As `kappa2`, of the temperature that drags the plays.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub play_kappa2: f64,
     /// Held-out root mean square error of each axis \[unit of the axis\].
     pub rmse: Vec<f64>,
     /// How much larger the held-out mean square is than the best candidate's, as a share,
@@ -58,6 +67,10 @@ pub struct Candidate {
     pub excess: f64,
     /// Standard error of `excess`.
     pub excess_sigma: f64,
+}
+
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
 }
 
 /// The choice among models.
@@ -73,23 +86,61 @@ pub struct Selection {
     pub ramp_rates_c_per_min: Vec<f64>,
     /// The chosen model.
     pub chosen: Candidate,
-    /// The others, best first.
+    /// The others, best first; none since the form follows from the logs.
     pub others: Vec<Candidate>,
 }
 
 impl Selection {
-    /// History terms take ramps of this many rates. With one, what depends on the rate
-    /// and what does not look the same, and so do two lags.
+    /// A second lag takes ramps of this many rates. With one, two lags look the same.
     pub const LEAST_RATES: usize = 2;
 
-    /// Whether the logs hold ramps of enough rates to find history terms from.
-    pub fn can_tell_history(&self) -> bool {
+    /// Whether the logs hold ramps of enough rates to find two lags from.
+    pub fn can_tell_lags(&self) -> bool {
         self.ramp_rates_c_per_min.len() >= Self::LEAST_RATES
     }
 }
 
-/// Root mean square errors of blocks of ten seconds that were left out of the fit, by whole soaks
-/// and ramps \[unit of the axis\]. They contain the noise of the blocks. None where what remained
+/// A model that the fitted one is compared with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SimplerModel {
+    /// One cubic in T.
+    Cubic,
+    /// The static model of the paper.
+    Static,
+    /// The composite model of the paper.
+    Composite,
+}
+
+impl SimplerModel {
+    /// The model as it is written in sets.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Cubic => "cubic",
+            Self::Static => "static",
+            Self::Composite => "composite",
+        }
+    }
+}
+
+/// A simpler model that does better than the fitted one where both were left out, by more than
+/// one standard error.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Surpassed {
+    /// The simpler model.
+    pub by: SimplerModel,
+    /// Its error \[unit of the axis\].
+    pub rmse: f64,
+    /// How much larger the mean square of the fitted model is, as a share.
+    pub excess: f64,
+    /// Standard error of `excess`, over the folds.
+    pub excess_sigma: f64,
+}
+
+/// Root mean square errors of means over 100 s that were left out of the fit, by whole soaks and
+/// ramps, less the white noise of the means \[unit of the axis\]; in sets of version 1 of means over
+/// 10 s, with their noise. None where what remained
 /// could not be fitted.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -117,6 +168,9 @@ pub struct HeldOutErrors {
     /// then keeps the constant alone.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub left_out: Option<f64>,
+    /// The best simpler model, where one does better.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub surpassed: Option<Surpassed>,
 }
 
 impl HeldOutErrors {

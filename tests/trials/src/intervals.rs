@@ -6,7 +6,7 @@
 use anyhow::Result;
 use serde::Serialize;
 use tempco::{Terms, Thermal, ThermalSettings};
-use tempco_fit::{FitOptions, Method, SplineSearch, fit};
+use tempco_fit::{FitOptions, Method, fit};
 use tempco_log::{Log, parallel};
 use tempco_set::run::thermal_points;
 use tempco_set::{AxisSet, CoefficientSigmas, Polynomial};
@@ -112,7 +112,6 @@ fn counts(replicas: u64, walk: f64) -> Result<Counts> {
 
 /// Intervals are of a given model: nothing is searched.
 fn options() -> FitOptions {
-    let segmentation = "-12:10,10:40,40:77".parse().expect("three segments");
     let thermal = ThermalSettings {
         tau_s: 120.0,
         kappa: 0.5,
@@ -120,17 +119,9 @@ fn options() -> FitOptions {
         rate_max_c_per_min: 50.0,
         ..ThermalSettings::DEFAULT
     };
-    let method = Method::Spline {
-        segmentation: Some(segmentation),
-        search: SplineSearch {
-            tau: false,
-            kappa: false,
-            history: false,
-        },
-    };
     FitOptions {
         thermal,
-        ..FitOptions::new("TRIAL", method)
+        ..FitOptions::new("TRIAL", Method::AUTO)
     }
 }
 

@@ -1,11 +1,17 @@
 //! What a model leaves of an axis: where it was not fitted, and beyond the noise of rows.
 
-use tempco_set::{AxisSet, ChannelSet, Rejection, RejectionCode, Warning, WarningCode};
+use tempco_set::{
+    AxisSet, ChannelSet, Rejection, RejectionCode, SimplerModel, Surpassed, Warning, WarningCode,
+};
 
 use crate::text::figure;
 
-/// A simpler model that does better by this share on what was left out is worth a warning.
+/// A model that does better by this share on what was left out is worth a warning, if it is not by
+/// chance ...
 const CLEARLY_BETTER: f64 = 0.05;
+
+/// ... and the difference is this share of the error without compensation.
+const WORTH_IT: f64 = 0.01;
 
 /// Terms whose error is so many times the error of a constant do harm.
 const CLEARLY_WORSE: f64 = 1.25;
@@ -68,24 +74,24 @@ pub(super) fn held_out(axis: &AxisSet) -> Option<Warning> {
             "on soaks and ramps left out of the fit, the model does not help",
         ));
     }
-    let simpler = [
-        ("one cubic in T", errors.cubic),
-        ("the static model", errors.static_model),
-        ("the composite model", errors.composite),
-    ];
-    let (name, error) = simpler
-        .into_iter()
-        .filter_map(|(name, error)| Some((name, error?)))
-        .filter(|(_, error)| *error < (1.0 - CLEARLY_BETTER) * chosen)
-        .min_by(|a, b| a.1.total_cmp(&b.1))?;
+    let least = (CLEARLY_BETTER * chosen).max(WORTH_IT * errors.none);
+    let is_clear = |better: &Surpassed| chosen - better.rmse > least;
+    let better = errors.surpassed.filter(is_clear)?;
+    let (name, advice) = match better.by {
+        SimplerModel::Cubic => ("one cubic in T", "calibrate with more soaks and ramps"),
+        SimplerModel::Static => ("the static model", "fit `--model static`"),
+        SimplerModel::Composite => ("the composite model", "fit `--model composite`"),
+    };
     Some(Warning::of_axis(
         WarningCode::SimplerModelBetter,
         &axis.name,
         format_args!(
-            "on soaks and ramps left out of the fit, {name} does better ({} against {} {})",
-            figure(error),
+            "on soaks and ramps left out of the fit, {name} does better ({} against {} {}), by \
+             {:.1} standard errors; {advice}",
+            figure(better.rmse),
             figure(chosen),
-            axis.unit
+            axis.unit,
+            better.excess / better.excess_sigma
         ),
     ))
 }

@@ -1,8 +1,8 @@
 //! What a set says of its own fit and its table.
 
 use tempco_set::{
-    ChannelSet, CoefficientSet, Judgement, Model, Rejection, RejectionCode, SegmentSet, TERMS,
-    Warning, WarningCode,
+    AxisSet, Candidate, ChannelSet, CoefficientSet, Judgement, Model, Rejection, RejectionCode,
+    SegmentSet, TERMS, Warning, WarningCode,
 };
 
 use super::bad_rows;
@@ -24,6 +24,12 @@ const LARGE_MOVE_C: f64 = 0.01;
 
 /// A rounding bound beyond this share of the compensated bias stability is worth a warning.
 const LARGE_ROUNDING: f64 = 0.01;
+
+/// A time constant of the rate below this is at the shortest that is tried \[s\].
+const SHORT_TAU_S: f64 = 12.0;
+
+/// A share of the second lag below this, without one of the first, runs ahead of the temperature.
+const AHEAD: f64 = -0.05;
 
 pub(super) fn judge(set: &CoefficientSet, judgement: &mut Judgement) {
     // Spoilt logs come first: what else is wrong may follow from them.
@@ -130,39 +136,63 @@ fn warn_of_terms(asked_for: Model, channel: &ChannelSet, warnings: &mut Vec<Warn
     let Some(selection) = selection else {
         return;
     };
-    if selection.chosen.rate_columns == 0 {
+    let chosen = &selection.chosen;
+    if chosen.rate_columns == 0 {
         warnings.push(Warning::new(
             WarningCode::NoRateTerms,
             format!(
-                "{}: the rate of temperature improves nothing on these logs. The model has no rate \
-                 terms and no lag shift. They are tried where the logs hold four soaks and ramps \
-                 or more, at rates that differ",
+                "{}: the model has no rate terms, no lag shift and no history terms. They are tried \
+                 where the logs hold two soaks and ramps or more; these hold {}",
+                channel.temperature, selection.soaks_and_ramps
+            ),
+        ));
+    }
+    if model != Model::Spline {
+        return;
+    }
+    warn_of_axes(channel, chosen.rate_columns > 0, warnings);
+    if chosen.rate_columns > 0 && !selection.can_tell_lags() {
+        warnings.push(Warning::new(
+            WarningCode::HistoryTermsNotTried,
+            format!(
+                "{}: plays and second lag are not tried. All ramps are of one rate, so hysteresis and lags look the same",
                 channel.temperature
             ),
         ));
     }
-    if model == Model::Spline {
-        warn_of_axes(channel, selection.chosen.rate_columns > 0, warnings);
-    }
-    let candidates = std::iter::once(&selection.chosen).chain(&selection.others);
-    let has_rate = candidates
-        .into_iter()
-        .any(|of| of.model == Model::Spline && of.rate_columns > 0);
-    if has_rate && !selection.can_tell_history() {
+    if let Some(how) = sensor_lags(chosen) {
         warnings.push(Warning::new(
-            WarningCode::HistoryTermsNotTried,
+            WarningCode::SensorLags,
             format!(
-                "{}: plays and second lag are not tried. All ramps are of one rate, so hysteresis \
-                 and lags look the same",
+                "{}: the sensor lags the source of the bias ({how}). The model predicts it; place \
+                 the sensor nearer",
                 channel.temperature
             ),
         ));
     }
 }
 
-/// Axes of a spline that are left without terms that others have.
+/// How the lags of a model say that the temperature comes after the bias.
+fn sensor_lags(chosen: &Candidate) -> Option<String> {
+    let &Candidate {
+        tau_s,
+        kappa,
+        kappa2,
+        ..
+    } = chosen;
+    if tau_s < SHORT_TAU_S {
+        Some(format!("tau {} s", figure(tau_s)))
+    } else if kappa == 0.0 && kappa2 < AHEAD {
+        Some(format!("kappa 0, kappa2 {}", figure(kappa2)))
+    } else {
+        None
+    }
+}
+
+/// Axes of a spline that are left without terms that the model has.
 fn warn_of_axes(channel: &ChannelSet, with_rate: bool, warnings: &mut Vec<Warning>) {
-    let with_history = channel.table.has_history();
+    let has_history = |axis: &AxisSet| channel.history(axis).any(|(_, gain)| !gain.is_zero());
+    let with_history = channel.axes.iter().any(has_history);
     let axes = channel.axes.iter().enumerate();
     for (_, axis) in axes.filter(|(number, _)| !channel.table.is_constant(*number)) {
         let mut rates = axis.polynomials.iter().flat_map(|of| of.r);
@@ -171,17 +201,14 @@ fn warn_of_axes(channel: &ChannelSet, with_rate: bool, warnings: &mut Vec<Warnin
             warnings.push(Warning::of_axis(
                 WarningCode::RateTermsDropped,
                 &axis.name,
-                "rate terms do not improve what was left out of the fit by more than one standard \
-                 error; dropped",
+                "the logs are more likely without rate terms; dropped",
             ));
         }
-        let mut history = channel.history(axis);
-        if with_history && history.all(|(_, gain)| gain.sigma == 0.0) {
+        if with_history && !has_history(axis) {
             warnings.push(Warning::of_axis(
                 WarningCode::HistoryTermsDropped,
                 &axis.name,
-                "plays and second lag do not improve what was left out of the fit by more than one \
-                 standard error; dropped",
+                "the logs are more likely without plays and second lag; dropped",
             ));
         }
     }

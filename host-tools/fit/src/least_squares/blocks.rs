@@ -1,9 +1,15 @@
 //! The kept blocks of a channel: the rows of every least squares.
 
+use std::ops::Range;
+
 use tempco::{TableError, Thermal, ThermalPoint, ThermalSettings};
+use tempco_log::median::median;
 use tempco_set::run::{is_usable, with_every_rate};
 
 use crate::summary::{ChannelData, SamplePoint};
+
+/// Time before and after, between which the slow rate is \[s\].
+const BESIDE_S: f64 = 300.0;
 
 /// Block means of a channel. Constants per log and axis are taken out, so that sums of squares
 /// keep their digits.
@@ -18,6 +24,8 @@ pub(crate) struct Blocks {
     pub(crate) log_means: Vec<Vec<f64>>,
     /// For each log and axis, how far its constant bias is from the mean of the logs.
     constants: Vec<Vec<f64>>,
+    /// The usual time from block to block \[s\].
+    step_s: f64,
 }
 
 /// A stretch of a log.
@@ -63,11 +71,27 @@ impl Blocks {
             }
         }
         Self {
+            step_s: usual_step_s(&blocks),
             blocks,
             temp_c,
             raw,
             log_means,
             constants: data.constants.clone(),
+        }
+    }
+
+    /// Blocks of values that are about the means of their logs already.
+    #[cfg(test)]
+    pub(crate) fn of_values(blocks: Vec<Block>, temp_c: Vec<f64>, raw: Vec<Vec<f64>>) -> Self {
+        let logs = 1 + blocks.iter().map(|block| block.log).max().unwrap_or(0);
+        let zeros = vec![vec![0.0; raw.len()]; logs];
+        Self {
+            step_s: usual_step_s(&blocks),
+            blocks,
+            temp_c,
+            raw,
+            log_means: zeros.clone(),
+            constants: zeros,
         }
     }
 
@@ -88,6 +112,46 @@ impl Blocks {
         let logs = self.blocks.chunk_by(|a, b| a.log == b.log);
         let lengths = logs.map(|log| log[log.len() - 1].time_s - log[0].time_s);
         lengths.fold(0.0, f64::max)
+    }
+
+    /// Some stretches of the blocks, as if each were a log of its own.
+    pub(crate) fn stretches(&self, of: &[Range<usize>]) -> Self {
+        let numbers = of.iter().cloned().enumerate();
+        let blocks = numbers.flat_map(|(log, range)| {
+            let block = move |block: &Block| Block {
+                log,
+                ..block.clone()
+            };
+            self.blocks[range].iter().map(block)
+        });
+        let only = |values: &Vec<f64>| -> Vec<f64> {
+            let parts = of.iter().map(|range| &values[range.clone()]);
+            parts.flatten().copied().collect()
+        };
+        Self {
+            blocks: blocks.collect(),
+            temp_c: only(&self.temp_c),
+            raw: self.raw.iter().map(only).collect(),
+            log_means: vec![vec![0.0; self.axes()]; of.len()],
+            constants: vec![vec![0.0; self.axes()]; of.len()],
+            step_s: self.step_s,
+        }
+    }
+
+    /// The usual time from block to block \[s\].
+    pub(crate) fn step_s(&self) -> f64 {
+        self.step_s
+    }
+
+    /// Blocks in some time, one at least.
+    pub(crate) fn steps_in(&self, time_s: f64) -> usize {
+        ((time_s / self.step_s).round() as usize).max(1)
+    }
+
+    /// Mean number of rows of a block.
+    pub(crate) fn usual_weight(&self) -> f64 {
+        let total: f64 = self.blocks.iter().map(|block| block.weight).sum();
+        total / self.blocks.len() as f64
     }
 
     pub(crate) fn axes(&self) -> usize {
@@ -127,6 +191,34 @@ impl Blocks {
         Ok(self.blocks.iter().map(mean).collect())
     }
 
+    /// The rate of temperature over some minutes, between the means before and after each block:
+    /// by it a coarse sensor too tells soaks from ramps \[degC/min\].
+    pub(crate) fn slow_rates(&self) -> Vec<f64> {
+        let mean = |range: Range<usize>, of: &dyn Fn(usize) -> f64| {
+            let count = range.len() as f64;
+            range.map(of).sum::<f64>() / count
+        };
+        let beside = self.steps_in(BESIDE_S);
+        let mut rates = Vec::with_capacity(self.blocks.len());
+        for log in self.blocks.chunk_by(|a, b| a.log == b.log) {
+            let first = rates.len();
+            for at in first..first + log.len() {
+                let before = at.saturating_sub(beside).max(first)..at + 1;
+                let after = at..(at + 1 + beside).min(first + log.len());
+                let between =
+                    |of: &dyn Fn(usize) -> f64| mean(after.clone(), of) - mean(before.clone(), of);
+                let apart_s = between(&|i| self.blocks[i].time_s);
+                let moved_c = between(&|i| self.temp_c[i]);
+                rates.push(if apart_s > 0.0 {
+                    60.0 * moved_c / apart_s
+                } else {
+                    0.0
+                });
+            }
+        }
+        rates
+    }
+
     /// Values of all axes in a block.
     pub(crate) fn observations(&self, block: usize) -> impl Iterator<Item = f64> {
         self.raw.iter().map(move |axis| axis[block])
@@ -137,6 +229,16 @@ impl Blocks {
         let ends = (f64::INFINITY, f64::NEG_INFINITY);
         let wider = |(low, high): (f64, f64), &value: &f64| (low.min(value), high.max(value));
         figures.iter().fold(ends, wider)
+    }
+}
+
+fn usual_step_s(blocks: &[Block]) -> f64 {
+    let pairs = blocks.windows(2).filter(|pair| pair[0].log == pair[1].log);
+    let mut steps_s: Vec<f64> = pairs.map(|pair| pair[1].time_s - pair[0].time_s).collect();
+    if steps_s.is_empty() {
+        1.0
+    } else {
+        median(&mut steps_s)
     }
 }
 

@@ -1,14 +1,10 @@
 //! Regressors of the spline model: quadratic B-splines for the static part, straight lines or
-//! hats for the rate part, a constant per log.
+//! hats for the rate part and the second lag, a constant per log, plays.
 
-use tempco_set::{COMPOSITE, Polynomial, Segment};
+use std::ops::Range;
 
-/// The terms that an axis has beside its static part.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct AxisTerms {
-    pub(crate) rate: bool,
-    pub(crate) history: bool,
-}
+use tempco::Terms;
+use tempco_set::{Polynomial, Segment};
 
 /// How the bias per rate depends on the lag-compensated temperature.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,7 +13,7 @@ pub(crate) enum RateForm {
     None,
     /// One straight line over the whole range.
     Line,
-    /// Straight within each segment, continuous.
+    /// Straight within each segment or over some of them, continuous.
     Hats,
 }
 
@@ -25,14 +21,18 @@ pub(crate) enum RateForm {
 ///
 /// In this order: `segments + 2` quadratic B-splines, which are C1 over the breakpoints and add up
 /// to 1; for several logs, one column less than logs, in which the constants of the logs differ
-/// from their mean; the rate columns; the history terms, one column each over the whole range.
+/// from their mean; the rate columns; hats for the second lag; the plays, one column each over the
+/// whole range.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Basis {
     /// Ends of the range and the breakpoints between, ascending \[degC\].
     breakpoints_c: Vec<f64>,
     rate: RateForm,
     logs: usize,
-    history: usize,
+    /// Segments that a hat is straight over.
+    straight: usize,
+    lag2: bool,
+    plays: usize,
 }
 
 /// A row of which few entries are not zero.
@@ -47,17 +47,30 @@ impl Basis {
             breakpoints_c,
             rate,
             logs,
-            history: 0,
+            straight: 1,
+            lag2: false,
+            plays: 0,
         }
     }
 
-    /// The same basis with columns for history terms.
-    pub(crate) fn with_history(self, history: usize) -> Self {
-        Self { history, ..self }
+    /// The same basis with hats that are straight over some segments, which must divide their
+    /// number: what a gain does over the range is known less finely than the curve.
+    pub(crate) fn with_hats_over(self, straight: usize) -> Self {
+        assert!(self.segments().is_multiple_of(straight));
+        Self { straight, ..self }
     }
 
-    pub(crate) fn breakpoints_c(&self) -> &[f64] {
-        &self.breakpoints_c
+    /// The same basis with columns for the second lag and for plays.
+    pub(crate) fn with_history(self, lag2: bool, plays: usize) -> Self {
+        Self {
+            lag2,
+            plays,
+            ..self
+        }
+    }
+
+    pub(crate) fn logs(&self) -> usize {
+        self.logs
     }
 
     pub(crate) fn segments(&self) -> usize {
@@ -72,7 +85,7 @@ impl Basis {
         match self.rate {
             RateForm::None => 0,
             RateForm::Line => 2,
-            RateForm::Hats => self.segments() + 1,
+            RateForm::Hats => self.hat_columns(),
         }
     }
 
@@ -81,23 +94,21 @@ impl Basis {
         self.static_columns() + self.logs - 1
     }
 
-    /// The columns before the history terms.
-    pub(crate) fn columns_without_history(&self) -> usize {
-        self.columns_without_rate() + self.rate_columns()
+    /// The columns of the second lag.
+    pub(crate) fn lag2_columns(&self) -> Range<usize> {
+        let first = self.columns_without_rate() + self.rate_columns();
+        let hats = if self.lag2 { self.hat_columns() } else { 0 };
+        first..first + hats
+    }
+
+    /// The columns of the plays.
+    pub(crate) fn play_columns(&self) -> Range<usize> {
+        let first = self.lag2_columns().end;
+        first..first + self.plays
     }
 
     pub(crate) fn columns(&self) -> usize {
-        self.columns_without_history() + self.history
-    }
-
-    /// The columns of an axis that has not all terms.
-    pub(crate) fn columns_of(&self, terms: AxisTerms) -> Vec<usize> {
-        let rate = self.columns_without_rate()..self.columns_without_history();
-        let history = self.columns_without_history()..self.columns();
-        (0..self.columns())
-            .filter(|column| terms.rate || !rate.contains(column))
-            .filter(|column| terms.history || !history.contains(column))
-            .collect()
+        self.play_columns().end
     }
 
     /// Writes the entries of a row; a temperature beyond the range counts as its nearest end.
@@ -117,9 +128,21 @@ impl Basis {
         self.rate_entries(segment, temp_c, rate, row);
     }
 
-    /// Appends the values of the history terms to a row.
-    pub(crate) fn push_history(&self, values: impl Iterator<Item = f64>, row: &mut SparseRow) {
-        row.extend((self.columns_without_history()..).zip(values));
+    /// Appends the second lag at a temperature, and what the plays are behind, to a row.
+    pub(crate) fn push_history(
+        &self,
+        temp_c: f64,
+        lag2_c: f64,
+        plays_c: impl IntoIterator<Item = f64>,
+        row: &mut SparseRow,
+    ) {
+        if self.lag2 {
+            let (low, high) = (self.breakpoints_c[0], self.breakpoints_c[self.segments()]);
+            let temp_c = temp_c.clamp(low, high);
+            let (first, segment) = (self.lag2_columns().start, self.segment(temp_c));
+            self.hats(first, segment, temp_c, lag2_c, row);
+        }
+        row.extend(self.play_columns().zip(plays_c));
     }
 
     fn rate_entries(&self, segment: usize, temp_c: f64, rate: f64, row: &mut SparseRow) {
@@ -132,12 +155,22 @@ impl Basis {
                 let z = (2.0 * temp_c - low - high) / (high - low);
                 row.extend([(first, rate), (first + 1, z * rate)]);
             }
-            RateForm::Hats => {
-                let x = (temp_c - at[segment]) / (at[segment + 1] - at[segment]);
-                row.push((first + segment, (1.0 - x) * rate));
-                row.push((first + segment + 1, x * rate));
-            }
+            RateForm::Hats => self.hats(first, segment, temp_c, rate, row),
         }
+    }
+
+    fn hat_columns(&self) -> usize {
+        self.segments() / self.straight + 1
+    }
+
+    /// The two hats that are not zero in a segment, times a factor.
+    fn hats(&self, first: usize, segment: usize, temp_c: f64, factor: f64, row: &mut SparseRow) {
+        let at = &self.breakpoints_c;
+        let hat = segment / self.straight;
+        let (low, high) = (at[hat * self.straight], at[(hat + 1) * self.straight]);
+        let x = (temp_c - low) / (high - low);
+        row.push((first + hat, (1.0 - x) * factor));
+        row.push((first + hat + 1, x * factor));
     }
 
     fn segment(&self, temp_c: f64) -> usize {
@@ -162,9 +195,9 @@ impl Basis {
         ]
     }
 
-    /// For each segment, the coefficients of its [`Polynomial`] as combinations of the columns: a
-    /// quadratic is given by three places, a line by two.
-    pub(crate) fn polynomial_maps(&self) -> Vec<(Segment, [SparseRow; COMPOSITE])> {
+    /// For each segment, the coefficients of its [`Polynomial`] as combinations of the columns, in
+    /// the order of [`Terms::NAMES`]: a quadratic is given by three places, a line by two.
+    pub(crate) fn polynomial_maps(&self) -> Vec<(Segment, [SparseRow; Terms::COUNT])> {
         let pairs = self.breakpoints_c.windows(2).enumerate();
         pairs
             .map(|(k, pair)| {
@@ -178,13 +211,23 @@ impl Basis {
                     self.rate_entries(k, temp_c, 1.0, &mut row);
                     row
                 };
+                let of_lag = |temp_c: f64| {
+                    let mut row = SparseRow::new();
+                    if self.lag2 {
+                        self.hats(self.lag2_columns().start, k, temp_c, 1.0, &mut row);
+                    }
+                    row
+                };
                 let [cold, mid, hot] = [pair[0], segment.centre_c(), pair[1]].map(value);
                 let [rate_cold, rate_hot] = [pair[0], pair[1]].map(slope);
+                let [lag_cold, lag_hot] = [pair[0], pair[1]].map(of_lag);
                 let a2 = sum(&[(0.5, &cold), (-1.0, &mid), (0.5, &hot)]);
                 let a1 = sum(&[(-0.5, &cold), (0.5, &hot)]);
                 let r0 = sum(&[(0.5, &rate_cold), (0.5, &rate_hot)]);
                 let r1 = sum(&[(-0.5, &rate_cold), (0.5, &rate_hot)]);
-                (segment, [mid, a1, a2, r0, r1])
+                let s0 = sum(&[(0.5, &lag_cold), (0.5, &lag_hot)]);
+                let s1 = sum(&[(-0.5, &lag_cold), (0.5, &lag_hot)]);
+                (segment, [mid, a1, a2, r0, r1, s0, s1])
             })
             .collect()
     }
@@ -194,7 +237,10 @@ impl Basis {
         let maps = self.polynomial_maps();
         let of_segment = maps.iter().map(|(segment, rows)| {
             let values = rows.each_ref().map(|row| dot(row, coefficients));
-            Polynomial::new(segment, &values)
+            Polynomial {
+                s: [values[Terms::COUNT - 2], values[Terms::COUNT - 1]],
+                ..Polynomial::new(segment, &values)
+            }
         });
         of_segment.collect()
     }
@@ -225,72 +271,119 @@ pub(crate) fn dot(row: &[(usize, f64)], vector: &[f64]) -> f64 {
 mod tests {
     use super::*;
 
-    fn basis(rate: RateForm) -> Basis {
-        Basis::new(vec![-15.0, 10.0, 30.0, 55.0, 80.0], rate, 1)
+    const EDGES_C: [f64; 5] = [-15.0, 10.0, 30.0, 55.0, 80.0];
+
+    /// Every column that there is: three logs, second lag, two plays.
+    fn whole(rate: RateForm) -> Basis {
+        Basis::new(EDGES_C.to_vec(), rate, 3).with_history(true, 2)
+    }
+
+    fn coefficients(basis: &Basis) -> Vec<f64> {
+        let columns = 0..basis.columns();
+        columns.map(|i| (i as f64 * 1.7).sin()).collect()
     }
 
     #[test]
     fn splines_add_up_to_one_and_are_not_negative() {
+        let basis = Basis::new(EDGES_C.to_vec(), RateForm::None, 1);
         let mut row = SparseRow::new();
         for step in 0..=190 {
-            basis(RateForm::None).row(0, -15.0 + 0.5 * f64::from(step), 1.0, &mut row);
+            basis.row(0, -15.0 + 0.5 * f64::from(step), 1.0, &mut row);
             assert!(row.iter().all(|&(_, value)| value >= 0.0));
             let total: f64 = row.iter().map(|&(_, value)| value).sum();
             assert!((total - 1.0).abs() < 1e-14);
         }
     }
 
-    /// Any coefficients make a static part with continuous value and slope and a continuous rate
-    /// part.
+    /// Splines, constants of logs, rate hats, lag hats, plays: one after the other, nothing twice.
+    #[test]
+    fn columns_follow_each_other() {
+        let basis = whole(RateForm::Hats);
+        assert_eq!(basis.static_columns(), 6);
+        assert_eq!(basis.columns_without_rate(), 6 + 2);
+        assert_eq!(basis.rate_columns(), 5);
+        assert_eq!(basis.lag2_columns(), 13..18);
+        assert_eq!(basis.play_columns(), 18..20);
+        assert_eq!(basis.columns(), 20);
+        let without = whole(RateForm::None).with_history(false, 1);
+        assert_eq!(without.lag2_columns(), 8..8);
+        assert_eq!(without.play_columns(), 8..9);
+    }
+
+    /// Any coefficients make a static part with continuous value and slope, and continuous parts of
+    /// rate and second lag.
     #[test]
     fn neighbouring_polynomials_meet_in_value_and_slope() {
         for rate in [RateForm::Line, RateForm::Hats] {
-            let basis = basis(rate);
-            let coefficients: Vec<f64> = (0..basis.columns())
-                .map(|i| (i as f64 * 1.7).sin())
-                .collect();
-            let polynomials = basis.polynomials(&coefficients);
-            for (pair, &at) in polynomials.windows(2).zip(&basis.breakpoints_c()[1..]) {
+            let basis = whole(rate);
+            let polynomials = basis.polynomials(&coefficients(&basis));
+            for (pair, &at) in polynomials.windows(2).zip(&EDGES_C[1..]) {
                 let [cold, hot] = [pair[0], pair[1]];
                 assert!((cold.static_bias(at) - hot.static_bias(at)).abs() < 1e-13);
                 let slope = |p: &Polynomial| (p.a[1] + 2.0 * p.a[2] * p.z(at)) / p.half_width_c;
                 assert!((slope(&cold) - slope(&hot)).abs() < 1e-13);
                 assert!((cold.rate_bias(at) - hot.rate_bias(at)).abs() < 1e-13);
+                let of_lag = |p: &Polynomial| p.s[0] + p.s[1] * p.z(at);
+                assert!((of_lag(&cold) - of_lag(&hot)).abs() < 1e-13);
+                assert!((cold.s[1] - hot.s[1]).abs() > 0.01);
             }
         }
     }
 
+    /// The seven coefficients of each segment say what the row says, with any rate, second lag and
+    /// plays; beyond the range the row is the one of its end.
     #[test]
     fn polynomials_are_the_row_times_the_coefficients() {
-        for rate in [RateForm::None, RateForm::Line, RateForm::Hats] {
-            let basis = basis(rate);
-            let coefficients: Vec<f64> = (0..basis.columns())
-                .map(|i| (i as f64 * 2.3).cos())
-                .collect();
+        let (rate, lag2_c, plays_c) = (-1.3, 4.7, [0.9, -6.0]);
+        for form in [RateForm::None, RateForm::Line, RateForm::Hats] {
+            let basis = whole(form);
+            let coefficients = coefficients(&basis);
             let polynomials = basis.polynomials(&coefficients);
+            let gains = &coefficients[basis.play_columns()];
+            let of_plays = gains[0] * plays_c[0] + gains[1] * plays_c[1];
+            // The constants of the three logs add up to zero.
+            let [first, second] = [coefficients[6], coefficients[7]];
+            let constants = [first, second, -first - second];
             let mut row = SparseRow::new();
-            for step in 0..95 {
-                let temp_c = -14.7 + f64::from(step);
-                basis.row(0, temp_c, -1.3, &mut row);
-                let polynomial = &polynomials[basis.segment(temp_c)];
-                let expected = polynomial.static_bias(temp_c) - 1.3 * polynomial.rate_bias(temp_c);
-                assert!((dot(&row, &coefficients) - expected).abs() < 1e-13);
+            for step in 0..110 {
+                let temp_c = -24.7 + f64::from(step);
+                let inside_c = temp_c.clamp(-15.0, 80.0);
+                let of = &polynomials[basis.segment(inside_c)];
+                let of_lag = of.s[0] + of.s[1] * of.z(inside_c);
+                let modelled = of.static_bias(inside_c) + rate * of.rate_bias(inside_c);
+                for (log, constant) in constants.into_iter().enumerate() {
+                    basis.row(log, temp_c, rate, &mut row);
+                    basis.push_history(temp_c, lag2_c, plays_c, &mut row);
+                    let expected = modelled + lag2_c * of_lag + of_plays + constant;
+                    let found = dot(&row, &coefficients);
+                    assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+                }
             }
         }
     }
 
+    /// Each of the seven maps reads its own columns alone.
     #[test]
-    fn constants_of_logs_add_up_to_zero() {
-        let basis = Basis::new(vec![0.0, 10.0], RateForm::None, 3);
-        let mut total = [0.0; 5];
-        let mut row = SparseRow::new();
-        for log in 0..3 {
-            basis.row(log, 5.0, 0.0, &mut row);
-            for &(column, value) in row.iter().filter(|(column, _)| *column >= 3) {
-                total[column] += value;
+    fn maps_read_the_columns_of_their_term() {
+        let basis = whole(RateForm::Hats);
+        for (number, (segment, rows)) in basis.polynomial_maps().into_iter().enumerate() {
+            assert_eq!(segment.t_min_c, EDGES_C[number]);
+            for (term, row) in rows.iter().enumerate() {
+                let (of, count) = match term {
+                    0..3 => (0..basis.static_columns(), 3),
+                    3..5 => (8..13, 2),
+                    _ => (basis.lag2_columns(), 2),
+                };
+                assert_eq!(row.len(), count, "term {term}");
+                assert!(
+                    row.iter().all(|(column, _)| of.contains(column)),
+                    "term {term}"
+                );
             }
         }
-        assert_eq!(basis.columns(), 5);
-        assert_eq!(total[3..], [0.0, 0.0]);
+        let without = Basis::new(EDGES_C.to_vec(), RateForm::None, 1);
+        for (_, rows) in without.polynomial_maps() {
+            assert!(rows[Terms::STATIC..].iter().all(Vec::is_empty));
+        }
     }
 }

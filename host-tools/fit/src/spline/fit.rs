@@ -1,5 +1,6 @@
-//! The spline model of a channel, fitted on the core's own regressors.
+//! The spline model of a channel, on its way into the set.
 
+use nalgebra::DMatrix;
 use tempco::{PLAYS, Terms, ThermalPoint, ThermalSettings};
 use tempco_set::run::with_every_rate;
 use tempco_set::{
@@ -8,207 +9,182 @@ use tempco_set::{
 
 use crate::channel_fit::ChannelFit;
 use crate::error::FitError;
-use crate::least_squares::{Blocks, RateForm, SamplePoints};
-use crate::segments::solve::{LEAST_SPAN, Place, SegmentRows, Unfit};
-use crate::spline::candidate::Spline;
-use crate::spline::covariance::of_combinations;
-use crate::spline::rows::Rows;
-use crate::spline::solve::{AxisSolution, solve_axes};
+use crate::least_squares::{Basis, Blocks, RateForm, SamplePoints, SparseRow};
+use crate::segments::solve::{LEAST_SPAN, Place, SegmentRows};
+use crate::spline::deployed::{AxisSolution, Deployed, range};
+use crate::spline::lags::{Form, cells_of_hat, whole_hats};
+use crate::spline::search::Trial;
 use crate::summary::ChannelData;
 
-/// Fits a spline model with the settings' thermal path at its lag; an axis without its rate terms
-/// or history terms keeps the rest.
+/// Fits the model that a search found, with the core's own points at its lags; `spread` is the
+/// covariance of each axis' coefficients that comes from the lags.
 pub(crate) fn fit(
     data: &ChannelData,
-    settings: ThermalSettings,
-    Spline {
-        layout,
-        rate,
-        lag,
-        shape,
-        axes,
-    }: &Spline,
-) -> Result<ChannelFit, FitError> {
-    let rate = *rate;
-    let thermal = shape.settings(ThermalSettings {
-        tau_s: lag.tau_s as f32,
-        kappa: lag.kappa as f32,
-        ..settings
-    });
-    // The core runs over the samples at the chosen lag, with no limit on the rate. The limits
+    blocks: &Blocks,
+    thermal: ThermalSettings,
+    form: &Form,
+    (found, spread): (Trial, &[DMatrix<f64>]),
+) -> Result<(ChannelFit, Deployed), FitError> {
+    // The core runs over the samples at the chosen lags, with no limit on the rate. The limits
     // follow from what it finds.
     let open = with_every_rate(thermal).map_err(FitError::Settings)?;
-    let blocks = Blocks::new(data);
     let points = SamplePoints::new(data, &open);
-    let samples = || {
-        let all = blocks.blocks.iter();
-        all.flat_map(|block| points.of_block(block).map(move |kept| (block.log, kept)))
+    let calibrated_c = range(&points, blocks, |point| point.effective_c);
+    let (edges_c, segments) = cells(data, blocks, &points, calibrated_c, form);
+    let rate = match form.rates {
+        true => RateForm::Hats,
+        false => RateForm::None,
     };
-    let range = |figure: fn(&ThermalPoint) -> f32| {
-        let figures = samples().map(|(_, kept)| figure(&kept.point));
-        let ends = (f32::INFINITY, f32::NEG_INFINITY);
-        figures.fold(ends, |(low, high), value| (low.min(value), high.max(value)))
-    };
-    let calibrated_c = range(|point| point.effective_c);
-    let range_c = (f64::from(calibrated_c.0), f64::from(calibrated_c.1));
-    let mut sorted_c = blocks.temp_c.clone();
-    sorted_c.sort_by(f64::total_cmp);
-    let unsolved = || FitError::Spline {
-        segments: layout.segments(),
-    };
-    // The layout was tried on the means of blocks, which reach less far than their samples.
-    let basis = layout.basis(range_c, &sorted_c, rate, data.logs.len());
-    let basis = basis.ok_or_else(unsolved)?;
-    // The pieces of the spline become the segments of the set, each with its coverage.
-    let pairs = basis.breakpoints_c().windows(2);
-    let pieces: Vec<Segment> = pairs
-        .map(|pair| Segment {
-            t_min_c: pair[0],
-            t_max_c: pair[1],
-        })
-        .collect();
-    let timed = samples().map(|(log, kept)| Timed {
-        point: kept.point,
-        rows: kept.rows as u64,
-        time_s: kept.rows * data.logs[log].interval_s,
-    });
-    let covered = coverage(timed, &pieces, calibrated_c)?;
-    // Least squares over all axes: the static part, the rate terms, then the history terms.
-    let basis = basis.with_history(shape.terms().len());
-    let rows = Rows::new(&points, &blocks, &basis, shape);
-    let (solutions, condition) = solve_axes(&rows, &blocks, &basis, axes).ok_or_else(unsolved)?;
+    let basis = Basis::new(edges_c, rate, data.logs.len())
+        .with_hats_over(cells_of_hat(segments.len()))
+        .with_history(form.lag2, form.plays);
+    let deployed = Deployed::fit(&points, blocks, basis, (found, spread));
+    let deployed = deployed.ok_or(FitError::Spline {
+        segments: segments.len(),
+    })?;
+
     // Spline coefficients become a polynomial per segment, and their covariances sigmas.
+    let basis = &deployed.basis;
     let maps = basis.polynomial_maps();
-    let mut polynomials = Vec::new();
-    let mut sigmas = Vec::new();
-    let mut noises = Vec::new();
-    let mut gains = Vec::new();
-    for (axis, solution) in solutions.into_iter().enumerate() {
-        let AxisSolution {
-            mut coefficients,
-            covariance,
-            noise,
-        } = solution;
-        let of_segment = maps.iter().map(|(_, rows)| {
-            CoefficientSigmas::from_covariance(of_combinations(&covariance, rows))
-        });
-        let mut of_segments: Vec<CoefficientSigmas> = of_segment.collect();
+    let (mut polynomials, mut sigmas) = (Vec::new(), Vec::new());
+    let (mut noises, mut gains) = (Vec::new(), Vec::new());
+    for (axis, solution) in deployed.axes.iter().enumerate() {
+        let of_segment = maps.iter().map(|(_, rows)| sigmas_of(solution, rows));
+        sigmas.push(of_segment.collect());
         noises.push(Some(NoiseSet {
-            white: noise.white.sqrt(),
-            walk: (3600.0 * noise.walk).sqrt(),
+            white: solution.white.sqrt(),
+            walk: (3600.0 * solution.walk).sqrt(),
         }));
-        let first_state = basis.columns_without_history();
-        let of_terms = (first_state..basis.columns()).map(|column| GainSet {
-            gain: coefficients[column],
-            sigma: covariance[(column, column)].max(0.0).sqrt(),
+        let of_plays = basis.play_columns().map(|column| GainSet {
+            gain: solution.coefficients[column],
+            sigma: solution.covariance[(column, column)].max(0.0).sqrt(),
         });
-        let mut of_plays: Vec<GainSet> = of_terms.collect();
-        // The gain of the second lag is the same over the whole range.
-        let of_lag = shape
-            .tau2_s
-            .and_then(|_| of_plays.pop())
-            .unwrap_or_default();
-        if !of_plays.is_empty() {
+        let mut of_plays: Vec<GainSet> = of_plays.collect();
+        if form.plays > 0 {
             of_plays.resize(PLAYS, GainSet::default());
         }
         gains.push(of_plays);
-        for sigmas in &mut of_segments {
-            sigmas.s[0] = of_lag.sigma;
-        }
-        sigmas.push(of_segments);
-        // The splines add up to 1: the mean constant of the logs goes to all of them.
-        let constant = blocks.mean(axis);
+        // The splines add up to 1: the constant goes to all of them.
+        let mut coefficients = solution.coefficients.clone();
+        let constant = deployed.constant(blocks, axis);
         for coefficient in &mut coefficients[..basis.static_columns()] {
             *coefficient += constant;
         }
-        let mut of_segments = basis.polynomials(&coefficients);
-        for polynomial in &mut of_segments {
-            polynomial.s[0] = of_lag.gain;
-        }
-        polynomials.push(of_segments);
+        polynomials.push(basis.polynomials(&coefficients));
     }
-
-    // Without rate terms the set lists the static terms only.
-    let names = if rate == RateForm::None {
-        &TERMS[..Terms::STATIC]
-    } else {
-        &TERMS[..]
-    };
-    let segments = covered
-        .into_iter()
-        .map(|segment| SegmentSet {
-            terms: names.iter().map(|&t| t.to_owned()).collect(),
-            condition,
-            ..segment
-        })
-        .collect();
-    Ok(ChannelFit {
+    let pieces = segments.iter().map(|of| Segment {
+        t_min_c: of.t_min_c,
+        t_max_c: of.t_max_c,
+    });
+    let fit = ChannelFit {
         thermal,
         calibrated_c,
-        rates: range(|point| point.rate_c_per_min),
-        lags: range(|point| point.lag2_c),
-        segmentation: Segmentation::new(pieces)?,
+        rates: range(&points, blocks, |point| point.rate_c_per_min),
+        lags: range(&points, blocks, |point| point.lag2_c),
+        segmentation: Segmentation::new(pieces.collect())?,
         overlap: Overlap::Spline,
         segments,
         polynomials,
         sigmas,
         noises,
         gains,
-    })
+    };
+    Ok((fit, deployed))
 }
 
-/// A point that stands for some rows.
-struct Timed {
-    point: ThermalPoint,
-    rows: u64,
-    time_s: f64,
-}
-
-/// What each segment was fitted from; without terms.
-fn coverage(
-    points: impl Iterator<Item = Timed>,
-    pieces: &[Segment],
-    (t_min_c, t_max_c): (f32, f32),
-) -> Result<Vec<SegmentSet>, FitError> {
-    let mut rows = vec![SegmentRows::new(0); pieces.len()];
-    let ends = &pieces[..pieces.len() - 1];
-    for Timed {
-        point,
-        rows: count,
-        time_s,
-    } in points
-    {
-        let temp_c = f64::from(point.effective_c);
-        let at = ends.partition_point(|piece| piece.t_max_c <= temp_c);
-        let z = (temp_c - pieces[at].centre_c()) / pieces[at].half_width_c();
-        let place = Place::at(z.clamp(-1.0, 1.0), point.rate_c_per_min.into());
-        rows[at].push_mean(&place, (count, time_s), std::iter::empty());
+/// Standard deviations of the coefficients of a segment, which are combinations of splines.
+fn sigmas_of(solution: &AxisSolution, rows: &[SparseRow; Terms::COUNT]) -> CoefficientSigmas {
+    let covariance = |i: usize, j: usize| -> f64 {
+        let pairs = rows[i]
+            .iter()
+            .flat_map(|a| rows[j].iter().map(move |b| (a, b)));
+        pairs
+            .map(|((a, x), (b, y))| x * y * solution.covariance[(*a, *b)])
+            .sum()
+    };
+    let lag = Terms::STATIC + Terms::RATE;
+    CoefficientSigmas {
+        s: std::array::from_fn(|term| covariance(lag + term, lag + term).max(0.0).sqrt()),
+        ..CoefficientSigmas::from_covariance(std::array::from_fn(|i| {
+            std::array::from_fn(|j| covariance(i, j))
+        }))
     }
-    let segments = pieces.iter().zip(rows).map(|(piece, mut rows)| {
-        let coverage = rows.coverage();
-        let unfit = if rows.rows() == 0 {
-            Some(Unfit::Rows(0))
-        } else if coverage.width < LEAST_SPAN {
-            Some(Unfit::Span(100.0 * coverage.width))
-        } else {
-            None
-        };
-        if let Some(unfit) = unfit {
-            return Err(FitError::Segment {
-                segment: *piece,
-                reason: unfit.to_string(),
-                t_min_c,
-                t_max_c,
-            });
+}
+
+/// As many cells of equal width as the form has, or fewer where some would hold too little of the
+/// logs; with their ends \[degC\].
+fn cells(
+    data: &ChannelData,
+    blocks: &Blocks,
+    points: &SamplePoints,
+    (low_c, high_c): (f32, f32),
+    form: &Form,
+) -> (Vec<f64>, Vec<SegmentSet>) {
+    let (low, high) = (f64::from(low_c), f64::from(high_c));
+    let counts = (1..=form.cells)
+        .rev()
+        .filter(|&count| whole_hats(count) == count);
+    for count in counts {
+        let edge = |k: usize| low + (high - low) * k as f64 / count as f64;
+        let edges_c: Vec<f64> = (0..=count).map(edge).collect();
+        let found = coverage(data, blocks, points, &edges_c, form);
+        if count == 1 || found.iter().all(is_covered) {
+            return (edges_c, found);
         }
-        Ok(SegmentSet {
-            t_min_c: piece.t_min_c,
-            t_max_c: piece.t_max_c,
-            terms: Vec::new(),
-            rows: rows.rows(),
-            condition: 0.0,
-            coverage: Some(coverage),
+    }
+    unreachable!("a form has a cell at least")
+}
+
+fn is_covered(segment: &SegmentSet) -> bool {
+    segment.coverage.is_some_and(|of| of.width >= LEAST_SPAN)
+}
+
+/// What each cell was fitted from.
+fn coverage(
+    data: &ChannelData,
+    blocks: &Blocks,
+    points: &SamplePoints,
+    edges_c: &[f64],
+    form: &Form,
+) -> Vec<SegmentSet> {
+    let pieces: Vec<Segment> = edges_c
+        .windows(2)
+        .map(|pair| Segment {
+            t_min_c: pair[0],
+            t_max_c: pair[1],
         })
-    });
-    segments.collect()
+        .collect();
+    let mut rows = vec![SegmentRows::new(0); pieces.len()];
+    for block in &blocks.blocks {
+        let interval_s = data.logs[block.log].interval_s;
+        for kept in points.of_block(block) {
+            let ThermalPoint {
+                effective_c,
+                rate_c_per_min,
+                ..
+            } = kept.point;
+            let temp_c = f64::from(effective_c);
+            let inner = &edges_c[1..edges_c.len() - 1];
+            let at = inner.partition_point(|&edge_c| edge_c <= temp_c);
+            let z = (temp_c - pieces[at].centre_c()) / pieces[at].half_width_c();
+            let place = Place::at(z.clamp(-1.0, 1.0), rate_c_per_min.into());
+            let stands_for = (kept.rows as u64, kept.rows * interval_s);
+            rows[at].push_mean(&place, stands_for, std::iter::empty());
+        }
+    }
+    // Without rate terms the set lists the static terms only.
+    let terms = if form.rates {
+        &TERMS[..]
+    } else {
+        &TERMS[..Terms::STATIC]
+    };
+    let segment = |(piece, mut rows): (&Segment, SegmentRows)| SegmentSet {
+        t_min_c: piece.t_min_c,
+        t_max_c: piece.t_max_c,
+        terms: terms.iter().map(|&term| term.to_owned()).collect(),
+        rows: rows.rows(),
+        condition: 0.0,
+        coverage: (rows.rows() > 0).then(|| rows.coverage()),
+    };
+    pieces.iter().zip(rows).map(segment).collect()
 }

@@ -5,7 +5,7 @@ use tempco_log::median::median;
 use crate::least_squares::Blocks;
 
 /// Rates below this are a soak: the sensor's noise is not a ramp \[degC/min\].
-const SOAK_C_PER_MIN: f64 = 0.1;
+pub(crate) const SOAK_C_PER_MIN: f64 = 0.1;
 
 /// A soak or ramp shorter than this belongs to the one before it \[s\].
 const LEAST_S: f64 = 600.0;
@@ -37,16 +37,6 @@ pub(crate) struct Folds {
 }
 
 impl Folds {
-    /// All in one, for what is fitted to all data.
-    pub(crate) fn whole(blocks: &Blocks) -> Self {
-        Self {
-            of_block: vec![0; blocks.blocks.len()],
-            count: 1,
-            soaks_and_ramps: 1,
-            ramp_rates: Vec::new(),
-        }
-    }
-
     pub(crate) fn new(blocks: &Blocks, rates: &[f64]) -> Self {
         let mut of_logs = Vec::new();
         let mut speeds = Vec::new();

@@ -1,21 +1,36 @@
-//! The spline model: one least squares over the whole range, and the choice among models.
+//! The default model: a smooth curve and gains of rate, second lag and plays, all fitted together.
+//!
+//! ```text
+//! paths (core) -> points -> rows -> whitening -> evidence -+
+//!       ^                                                  | search: lags, mixes, ridges, noise
+//!       +--------------------------------------------------+
+//! found lags -> core over all samples -> deployed -> fit: polynomials, sigmas
+//! ```
+//!
+//! | modules | what they do |
+//! | --- | --- |
+//! | `lags`, `regressors` | two thermal lags and their mixes; what the model sees of each block |
+//! | `whitening`, `drift` | white noise, noise of the angle and drift, taken apart |
+//! | `evidence`, `ridges` | coefficients under ridges of the highest marginal likelihood |
+//! | `lowest`, `search` | the most likely lags, mixes, ridges and noise |
+//! | `deployed`, `fit`, `play_start` | the model on the core's own points, as it flies |
+//! | `folds`, `held_out` | errors on soaks and ramps that were left out |
+//! | `auto` | which terms the logs allow; the comparison with simpler models |
 
-mod breakpoints;
-mod candidate;
-mod covariance;
-mod cross_validation;
+pub(crate) mod auto;
+mod deployed;
+mod drift;
+mod evidence;
 mod fit;
 mod folds;
-mod history_search;
-mod history_selection;
-mod history_terms;
-mod lag_search;
-mod model_selection;
+mod held_out;
+mod lags;
+mod lowest;
+mod play_start;
 mod regressors;
-mod rows;
-mod solve;
-
-pub(crate) use candidate::{Choice, Chosen};
-pub(crate) use fit::fit;
-pub(crate) use model_selection::Question;
-pub(crate) use regressors::FixedLag;
+mod ridges;
+mod search;
+mod sensor_noise;
+#[cfg(test)]
+mod tests;
+mod whitening;

@@ -1,99 +1,156 @@
-//! Temperatures and rates of the blocks under a lag shift.
+//! What the spline model sees of each block, at any lags.
 
-use tempco::{TableError, ThermalSettings};
+use std::cell::RefCell;
+use std::rc::Rc;
 
-use crate::least_squares::{Basis, Blocks, Gram, SparseRow};
-use crate::method::SplineSearch;
-use crate::spline::folds::Folds;
+use tempco::{Play, TableError, ThermalSettings};
+use tempco_set::run::with_every_rate;
+
+use crate::least_squares::{Basis, Block, Blocks, SamplePoints, SparseRow};
+use crate::spline::lags::{Form, HALF_WIDTHS_C, Lags};
 use crate::summary::ChannelData;
 
-/// A time constant with its shift.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Lag {
-    pub(crate) tau_s: f64,
-    pub(crate) kappa: f64,
+/// Runs of the core that are remembered.
+const REMEMBERED: usize = 32;
+
+/// A mean over the samples of each block.
+type BlockMeans = Rc<Vec<f64>>;
+
+/// The lags of each block, as the core finds them, by time constant.
+pub(crate) struct Paths<'a> {
+    pub(crate) data: &'a ChannelData<'a>,
+    pub(crate) blocks: &'a Blocks,
+    pub(crate) settings: ThermalSettings,
+    /// Rates \[degC/min\] and second lags \[degC\] that were computed, the last ones last.
+    rates: RefCell<Vec<(f64, BlockMeans)>>,
+    lags2: RefCell<Vec<(f64, BlockMeans)>>,
 }
 
-/// What is not searched.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct FixedLag {
-    pub(crate) tau_s: Option<f64>,
-    pub(crate) kappa: Option<f64>,
+/// The points of all blocks at some lags.
+pub(crate) struct Points {
+    /// Lag-compensated temperature \[degC\].
+    pub(crate) effective_c: Vec<f64>,
+    /// \[degC/min\]
+    pub(crate) rates: BlockMeans,
+    /// \[degC\]
+    pub(crate) lags2_c: BlockMeans,
+    /// What each play is behind \[degC\].
+    pub(crate) plays_c: Vec<Vec<f64>>,
 }
 
-impl FixedLag {
-    pub(crate) fn new(search: SplineSearch, settings: &ThermalSettings) -> Self {
+impl<'a> Paths<'a> {
+    pub(crate) fn new(
+        data: &'a ChannelData<'a>,
+        blocks: &'a Blocks,
+        settings: ThermalSettings,
+    ) -> Self {
         Self {
-            tau_s: (!search.tau).then(|| settings.tau_s.into()),
-            kappa: (!search.kappa).then(|| settings.kappa.into()),
+            data,
+            blocks,
+            settings,
+            rates: RefCell::default(),
+            lags2: RefCell::default(),
         }
     }
-}
 
-/// Temperatures and rates of the blocks at one time constant.
-#[derive(Clone, Debug)]
-pub(crate) struct Regressors<'a> {
-    temp_c: &'a [f64],
-    rates: Vec<f64>,
-    tau_s: f64,
-}
-
-impl<'a> Regressors<'a> {
-    pub(crate) fn new(
-        blocks: &'a Blocks,
-        data: &ChannelData,
-        settings: &ThermalSettings,
-        tau_s: f64,
-    ) -> Result<Self, TableError> {
-        Ok(Self {
-            temp_c: &blocks.temp_c,
-            rates: blocks.rates(data, settings, tau_s)?,
-            tau_s,
+    /// The points at some lags.
+    ///
+    /// # Errors
+    /// Settings that the core refuses.
+    pub(crate) fn points(&self, form: &Form, lags: &Lags) -> Result<Points, TableError> {
+        let (rates, lags2_c) = self.lags(form, lags)?;
+        let mixed = |kappa: f64, kappa2: f64| -> Vec<f64> {
+            // The rate is the first lag per time constant, in minutes.
+            let shift_min = kappa * lags.tau_s / 60.0;
+            let both = self.blocks.temp_c.iter().zip(rates.iter().zip(&*lags2_c));
+            let mix = |(temp_c, (rate, lag2_c)): (&f64, (&f64, &f64))| {
+                temp_c - shift_min * rate - kappa2 * lag2_c
+            };
+            both.map(mix).collect()
+        };
+        let drag_c = mixed(lags.play_kappa, lags.play_kappa2);
+        let widths = HALF_WIDTHS_C[..form.plays].iter();
+        Ok(Points {
+            effective_c: mixed(lags.kappa, lags.kappa2),
+            plays_c: widths.map(|&width_c| self.play(width_c, &drag_c)).collect(),
+            rates,
+            lags2_c,
         })
     }
 
-    pub(crate) fn tau_s(&self) -> f64 {
-        self.tau_s
+    /// What a play is behind, which begins where the temperature does in every log.
+    fn play(&self, half_width_c: f64, drag_c: &[f64]) -> Vec<f64> {
+        let mut play = Play::new(0.0);
+        let mut log = usize::MAX;
+        let follow = |(block, &drag_c): (&Block, &f64)| {
+            if block.log != log {
+                (log, play) = (block.log, Play::new(drag_c as f32));
+            }
+            f64::from(play.follow(half_width_c as f32, drag_c as f32))
+        };
+        self.blocks.blocks.iter().zip(drag_c).map(follow).collect()
     }
 
-    pub(crate) fn rates(&self) -> &[f64] {
-        &self.rates
-    }
-
-    /// Lag-compensated temperature of a block: linear in kappa, as in the core.
-    pub(crate) fn effective_c(&self, block: usize, kappa: f64) -> f64 {
-        self.temp_c[block] - kappa * self.tau_s / 60.0 * self.rates[block]
-    }
-
-    /// Lowest and highest lag-compensated temperature.
-    pub(crate) fn range_c(&self, kappa: f64) -> (f64, f64) {
-        let count = self.rates.len();
-        let temps: Vec<f64> = (0..count).map(|i| self.effective_c(i, kappa)).collect();
-        Blocks::range(&temps)
-    }
-
-    /// The normal equations of each fold; `history` are the values of the history terms, block
-    /// by block.
-    pub(crate) fn grams(
-        &self,
-        blocks: &Blocks,
-        folds: &Folds,
-        basis: &Basis,
-        kappa: f64,
-        history: &[Vec<f64>],
-    ) -> Vec<Gram> {
-        let mut grams = vec![Gram::new(basis.columns(), blocks.axes()); folds.count];
-        let mut row = SparseRow::new();
-        for (i, block) in blocks.blocks.iter().enumerate() {
-            basis.row(
-                block.log,
-                self.effective_c(i, kappa),
-                self.rates[i],
-                &mut row,
-            );
-            basis.push_history(history.iter().map(|state| state[i]), &mut row);
-            grams[folds.of_block[i]].push(&row, blocks.observations(i), block.weight);
+    /// Rates and second lags.
+    fn lags(&self, form: &Form, lags: &Lags) -> Result<(BlockMeans, BlockMeans), TableError> {
+        let known = |of: &RefCell<Vec<(f64, BlockMeans)>>, tau_s: f64| {
+            let known = of.borrow();
+            let found = known.iter().find(|(of, _)| *of == tau_s);
+            found.map(|(_, means)| means.clone())
+        };
+        let found = (
+            known(&self.rates, lags.tau_s),
+            known(&self.lags2, lags.tau2_s),
+        );
+        if let (Some(rates), Some(lags2)) = found {
+            return Ok((rates, lags2));
         }
-        grams
+        let both = Lags {
+            kappa: 0.0,
+            kappa2: 0.0,
+            play_kappa: 0.0,
+            play_kappa2: 0.0,
+            ..*lags
+        };
+        let form = Form { plays: 0, ..*form };
+        let settings = form.settings(&both, self.settings);
+        let points = SamplePoints::new(self.data, &with_every_rate(settings)?);
+        let mean = |block: &Block| {
+            let (mut rate, mut lag2, mut rows) = (0.0, 0.0, 0.0);
+            for kept in points.of_block(block) {
+                rate += kept.rows * f64::from(kept.point.rate_c_per_min);
+                lag2 += kept.rows * f64::from(kept.point.lag2_c);
+                rows += kept.rows;
+            }
+            (rate / rows, lag2 / rows)
+        };
+        let (rates, lags2): (Vec<f64>, Vec<f64>) = self.blocks.blocks.iter().map(mean).unzip();
+        let (rates, lags2) = (Rc::new(rates), Rc::new(lags2));
+        for (of, tau_s, means) in [
+            (&self.rates, lags.tau_s, &rates),
+            (&self.lags2, lags.tau2_s, &lags2),
+        ] {
+            let mut known = of.borrow_mut();
+            if known.len() == REMEMBERED {
+                known.remove(0);
+            }
+            known.push((tau_s, means.clone()));
+        }
+        Ok((rates, lags2))
+    }
+}
+
+impl Points {
+    /// The rows of the least squares.
+    pub(crate) fn rows(&self, blocks: &Blocks, basis: &Basis) -> Vec<SparseRow> {
+        let of_block = blocks.blocks.iter().enumerate();
+        let row = |(i, block): (usize, &Block)| {
+            let mut row = SparseRow::with_capacity(9);
+            basis.row(block.log, self.effective_c[i], self.rates[i], &mut row);
+            let plays_c = self.plays_c.iter().map(|play_c| play_c[i]);
+            basis.push_history(self.effective_c[i], self.lags2_c[i], plays_c, &mut row);
+            row
+        };
+        of_block.map(row).collect()
     }
 }

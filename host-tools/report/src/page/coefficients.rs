@@ -2,10 +2,13 @@
 
 use maud::{Markup, html};
 use tempco_evaluate::figure;
-use tempco_set::{COMPOSITE, CoefficientSet, CoefficientSigmas, HistoryTerm, LOCAL_TERMS};
+use tempco_set::{
+    COMPOSITE, CoefficientSet, CoefficientSigmas, HistoryGain, HistoryTerm, LOCAL_TERMS,
+};
 
 use super::document::{axis_cell, cell, table};
 use super::tables::{axes, dash};
+use crate::text::gain;
 
 pub(super) fn coefficients(set: &CoefficientSet) -> Markup {
     let mut rows = Vec::new();
@@ -50,11 +53,19 @@ fn with_sigma(value: f64, sigma: f64) -> Markup {
     }
 }
 
+fn gain_cell(found: &HistoryGain) -> Markup {
+    match gain(found) {
+        None => dash(),
+        Some(text) if found.sigma == 0.0 => cell(text),
+        Some(text) => html! { (text) span.sigma { "\u{b1} " (format!("{:.1e}", found.sigma)) } },
+    }
+}
+
 /// The terms of the thermal history; nothing where there are none.
 fn history(set: &CoefficientSet) -> Markup {
     let mut rows = Vec::new();
     for (channel, _, axis) in axes(set) {
-        for (term, gain) in channel.history(axis) {
+        for (term, found) in channel.history(axis) {
             let number = |value: f32| cell(figure(value.into()));
             let mut row = vec![axis_cell(&axis.name, axis.unit)];
             row.extend(match term {
@@ -65,7 +76,7 @@ fn history(set: &CoefficientSet) -> Markup {
                     [cell("second lag"), dash(), number(tau2_s), number(limit_c)]
                 }
             });
-            row.push(with_sigma(gain.gain, gain.sigma));
+            row.push(gain_cell(&found));
             rows.push(row);
         }
     }
@@ -81,7 +92,8 @@ fn history(set: &CoefficientSet) -> Markup {
         @if !rows.is_empty() {
             p { "Terms of the thermal history: gains in the unit of the axis per degC that the contact of a "
                 "play, of half width w, or the second lag is behind the temperature, with 1 sigma for this "
-                "w or tau." }
+                "w or tau. The gain of the second lag differs from segment to segment: its lowest and "
+                "highest, with the largest sigma in the middle of a segment." }
             (table(&head, rows))
         }
     }

@@ -2,11 +2,11 @@
 
 use maud::{Markup, html};
 use tempco_evaluate::{Evaluation, figure};
-use tempco_set::{AxisSet, Candidate, ChannelSet, CoefficientSet, HeldOutErrors};
+use tempco_set::{AxisSet, Candidate, ChannelSet, CoefficientSet, HeldOutErrors, SegmentSet};
 
 use super::document::{axis_cell, cell, table};
 use crate::band::sigma_at;
-use crate::text::states;
+use crate::text::{LAGS, held_out_caption, lags, states};
 
 /// Runner-ups that are shown; the set holds all.
 const SHOWN: usize = 6;
@@ -105,7 +105,7 @@ pub(super) fn coverage(set: &CoefficientSet) -> Markup {
                     coverage.rate_min_c_per_min, coverage.rate_max_c_per_min
                 )),
                 cell(figure(coverage.rate_independent_c_per_min)),
-                cell(figure(segment.condition)),
+                condition(segment),
             ]),
             None => row.extend((0..5).map(|_| dash())),
         }
@@ -126,6 +126,14 @@ pub(super) fn coverage(set: &CoefficientSet) -> Markup {
             "of the part of the rate that does not follow from the temperature [degC/min]; from it the "
             "rate terms are found." }
         (table(&head, rows))
+    }
+}
+
+/// The condition number; a dash where it was not computed.
+fn condition(segment: &SegmentSet) -> Markup {
+    match segment.condition {
+        0.0 => dash(),
+        condition => cell(figure(condition)),
     }
 }
 
@@ -167,17 +175,18 @@ pub(super) fn models(set: &CoefficientSet) -> Markup {
             @match errors.first() {
                 None => p { "This set was not fitted here: no errors on data left out are known." },
                 Some((_, first)) => {
-                    p { "Root mean square errors of means over 10 s that were left out of the fit, in "
-                        (first.folds) " parts of " (first.soaks_and_ramps) " soaks and ramps; the noise of the means "
-                        "is in all of them." }
+                    p { (held_out_caption(first)) "." }
                     (held_out(&errors))
                 }
             }
             @for channel in &set.channels {
                 @if let Some(selection) = &channel.selection {
-                    p { "Chosen for " (channel.temperature) ": the model of fewest coefficients whose "
+                    p { "Lags of " (channel.temperature) ": kappa is the share of a lag that is taken off the "
+                        "temperature." }
+                    (lag_table(channel))
+                    @if !selection.others.is_empty() { p { "Chosen for " (channel.temperature) ": the model of fewest coefficients whose "
                         "held-out mean square is within one standard error of the best." }
-                    (candidates(&selection.chosen, &selection.others))
+                    (candidates(&selection.chosen, &selection.others)) }
                 }
             }
         }
@@ -211,6 +220,11 @@ fn held_out(errors: &[(&AxisSet, HeldOutErrors)]) -> Markup {
         "this model",
     ];
     table(&head, rows.collect())
+}
+
+fn lag_table(channel: &ChannelSet) -> Markup {
+    let rows = lags(channel).into_iter();
+    table(&LAGS, rows.map(|row| row.map(cell).to_vec()).collect())
 }
 
 fn candidates(chosen: &Candidate, others: &[Candidate]) -> Markup {

@@ -1,11 +1,11 @@
 //! The range of every number of a set.
 
 use super::ranges::{
-    ANY, AT_LEAST_0, LARGEST, ONE, SCALE_FACTORS_ARCSEC, all_in, all_within, within,
+    ANY, AT_LEAST_0, LAG_SHARES, LARGEST, ONE, SCALE_FACTORS_ARCSEC, all_in, all_within, within,
 };
 use crate::{
     AxisSet, AxisStatistics, Candidate, ChannelSet, CoefficientSet, CoefficientSigmas,
-    HeldOutErrors, NoiseSet, Outliers, SegmentSet, Selection,
+    HeldOutErrors, NoiseSet, Outliers, SegmentSet, Selection, Surpassed,
 };
 
 impl CoefficientSet {
@@ -190,7 +190,22 @@ impl HeldOutErrors {
         let found: Vec<_> = errors
             .filter_map(|(name, error)| Some((name, error?)))
             .collect();
-        all_within(key, &found, &AT_LEAST_0)
+        all_within(key, &found, &AT_LEAST_0)?;
+        let surpassed = self.surpassed.iter();
+        surpassed
+            .into_iter()
+            .try_for_each(|of| of.check(&format!("{key}.surpassed")))
+    }
+}
+
+impl Surpassed {
+    fn check(&self, key: &str) -> Result<(), String> {
+        let figures = [
+            ("rmse", self.rmse),
+            ("excess", self.excess),
+            ("excess_sigma", self.excess_sigma),
+        ];
+        all_within(key, &figures, &AT_LEAST_0)
     }
 }
 
@@ -273,7 +288,14 @@ impl Candidate {
             ("excess_sigma", self.excess_sigma),
         ];
         all_within(key, &sizes, &AT_LEAST_0)?;
-        all_within(key, &[("kappa", self.kappa), ("excess", self.excess)], &ANY)?;
+        let shares = [
+            ("kappa", self.kappa),
+            ("kappa2", self.kappa2),
+            ("play_kappa", self.play_kappa),
+            ("play_kappa2", self.play_kappa2),
+        ];
+        all_within(key, &shares, &LAG_SHARES)?;
+        within(format_args!("{key}.excess"), self.excess, ANY)?;
         all_in(key, "half_widths_c", &self.half_widths_c, &AT_LEAST_0)?;
         all_in(key, "rmse", &self.rmse, &AT_LEAST_0)
     }

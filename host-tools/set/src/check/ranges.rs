@@ -11,6 +11,9 @@ pub(super) const LARGEST: f64 = 1e30;
 pub(super) const ANY: RangeInclusive<f64> = -LARGEST..=LARGEST;
 pub(super) const AT_LEAST_0: RangeInclusive<f64> = 0.0..=LARGEST;
 
+/// Shares of the lags that the core takes, and more.
+pub(super) const LAG_SHARES: RangeInclusive<f64> = -2.0..=2.0;
+
 /// Shares and correlations may be beyond 1 by rounding.
 pub(super) const ONE: f64 = 1.0 + 1e-3;
 

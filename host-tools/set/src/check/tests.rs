@@ -57,14 +57,16 @@ fn example() -> Value {
     let sigmas = json!({"a": [0.1, 0.1, 0.1], "r": [0.0, 0.0], "s": [0.0, 0.0]});
     axis["sigmas"] = json!([sigmas, sigmas]);
     axis["held_out"] = json!({"soaks_and_ramps": 1, "folds": 1, "none": 1.0, "cubic": 1.0, "static": 1.0,
-        "composite": 1.0, "chosen": 1.0, "excess_sigma": 0.1, "left_out": 1.0});
+        "composite": 1.0, "chosen": 1.0, "excess_sigma": 0.1, "left_out": 1.0,
+        "surpassed": {"by": "static", "rmse": 0.5, "excess": 3.0, "excess_sigma": 1.0}});
     axis["reference_c"] = json!(25.0);
     axis["statistics"] = json!({"rows": 1, "rmse_raw": 1.0, "rmse_cubic": 1.0,
         "rmse_compensated": 1.0, "tau_s": 100.0, "n": 1, "sigma_raw": 1.0, "sigma_cubic": 1.0,
         "sigma_compensated": 1.0, "serial_factor": 1.0});
     let candidate = json!({"model": "spline", "segments": 1, "place": "given",
         "rate_columns": 1, "columns": 1, "tau_s": 60.0, "kappa": -1.0, "half_widths_c": [1.0],
-        "tau2_s": 900.0, "rmse": [1.0], "excess": -0.5, "excess_sigma": 0.1});
+        "tau2_s": 900.0, "kappa2": -0.5,
+        "play_kappa": 1.5, "play_kappa2": -1.5, "rmse": [1.0], "excess": -0.5, "excess_sigma": 0.1});
     let channel = &mut value["channels"][0];
     channel["outliers"] = json!({"excluded_rows": 0, "spike_rows": 0, "disturbed_rows": 0,
         "steps": [{"file": "", "axis": "x", "time_s": 1.0, "size": -1.0}],
@@ -155,6 +157,41 @@ fn the_key_and_what_was_expected_are_named() {
             "polynomials[1].centre_c is 0.0",
         ),
         ("/channels/0/segments/0/t_min_c", -14.0, "expected"),
+        (
+            "/channels/0/selection/chosen/kappa",
+            2.1,
+            "selection.chosen.kappa is 2.1: expected -2.0 to 2.0",
+        ),
+        (
+            "/channels/0/selection/chosen/kappa2",
+            -2.1,
+            "selection.chosen.kappa2 is -2.1: expected -2.0 to 2.0",
+        ),
+        (
+            "/channels/0/selection/others/0/play_kappa",
+            2.1,
+            "selection.others[0].play_kappa is 2.1: expected -2.0 to 2.0",
+        ),
+        (
+            "/channels/0/selection/others/0/play_kappa2",
+            -2.1,
+            "selection.others[0].play_kappa2 is -2.1: expected -2.0 to 2.0",
+        ),
+        (
+            "/channels/0/axes/0/held_out/surpassed/rmse",
+            -0.1,
+            "held_out.surpassed.rmse is -0.1: expected 0.0",
+        ),
+        (
+            "/channels/0/axes/0/held_out/surpassed/excess",
+            -0.1,
+            "held_out.surpassed.excess is -0.1: expected 0.0",
+        ),
+        (
+            "/channels/0/axes/0/held_out/surpassed/excess_sigma",
+            -0.1,
+            "held_out.surpassed.excess_sigma is -0.1: expected 0.0",
+        ),
     ] {
         let mut bad = example();
         *bad.pointer_mut(at).unwrap() = value.into();
@@ -177,6 +214,34 @@ fn polynomials_that_contradict_the_table_are_refused_by_axis_and_cell() {
         );
         assert!(error.contains("pulses/s"), "{error}");
     }
+}
+
+/// Version 2 as it was before it knew of two lags and of simpler models.
+#[test]
+fn sets_without_the_newer_numbers_are_read() {
+    let mut old = example();
+    let channel = &mut old["channels"][0];
+    let held_out = channel["axes"][0]["held_out"].as_object_mut().unwrap();
+    held_out.remove("surpassed").unwrap();
+    let chosen = channel["selection"]["chosen"].as_object_mut().unwrap();
+    for key in ["kappa2", "play_kappa", "play_kappa2"] {
+        chosen.remove(key).unwrap();
+    }
+    let set = read(&old).unwrap();
+    let selection = set.channels[0].selection.as_ref().unwrap();
+    assert_eq!(selection.chosen.kappa2, 0.0);
+    assert_eq!(selection.others[0].play_kappa, 1.5);
+    let held_out = set.channels[0].axes[0].held_out.unwrap();
+    assert_eq!(held_out.surpassed, None);
+    assert_eq!(read(&serde_json::to_value(&set).unwrap()).unwrap(), set);
+}
+
+#[test]
+fn an_unknown_simpler_model_is_refused() {
+    let mut bad = example();
+    bad["channels"][0]["axes"][0]["held_out"]["surpassed"]["by"] = "spline".into();
+    let error = read(&bad).unwrap_err();
+    assert!(error.contains("unknown variant `spline`"), "{error}");
 }
 
 /// Rounding is not a contradiction, and so is left to the CRC.

@@ -72,17 +72,16 @@ pub(super) fn figures(workspace: &Workspace, rows: u32) -> Result<Value> {
         command.arg("--out").arg(folder.join("set")).args(options);
         command
     };
-    let composite = ["--segments", SEGMENTS, "--no-report"];
-    let spline = ["--model", "spline", "--no-report"];
-    let auto = ["--model", "auto", "--no-report"];
-    let with_report = ["--segments", SEGMENTS];
+    let with_report = ["--model", "composite", "--segments", SEGMENTS];
+    let composite = [&with_report[..], &["--no-report"]].concat();
+    let auto = ["--no-report"];
     let python = peers::install(workspace);
     let mut jobs = vec![
         Job::new("fit", rows, || fit(&log, &composite)),
         Job::new("auto", rows, || fit(&log, &auto)),
         Job::new("with_report", rows, || fit(&log, &with_report)),
         Job::new("usual_fit", usual_rows, || fit(&usual, &composite)),
-        Job::new("usual_spline", usual_rows, || fit(&usual, &spline)),
+        Job::new("usual_auto", usual_rows, || fit(&usual, &auto)),
         Job::new("simulate", simulated as u64, simulate),
     ];
     match &python {

@@ -4,7 +4,7 @@ use anyhow::{Context, Result};
 use tempco_evaluate::evaluate;
 use tempco_fit::{FitOptions, Method, SegmentModel, SegmentOverlap, fit};
 use tempco_log::{Axis, AxisUnit, Channel, Log, SkippedRows};
-use tempco_set::{CoefficientSet, Model, Segmentation};
+use tempco_set::{CoefficientSet, Segmentation};
 use tempco_twin::{AXIS_NAMES, DEFAULT_RATE_HZ, Profile, Simulation, Step, Unit};
 
 use super::printed::SEGMENTS;
@@ -22,8 +22,8 @@ pub(super) struct Outcome {
     pub(super) jumps: [[f64; 2]; 3],
     /// a0, a1 and a2 of each segment of the static model with overlap.
     pub(super) table_2: [Vec<[f64; 3]>; 3],
-    /// Sigma of an unseen variable-temperature run: uncompensated, static, composite, and what `auto`
-    /// chose from the same logs.
+    /// Sigma of an unseen variable-temperature run: uncompensated, static, composite, and the
+    /// default model from the same logs.
     pub(super) table_3: [[f64; 4]; 3],
 }
 
@@ -52,7 +52,7 @@ pub(super) fn run(seed: u64) -> Result<Outcome> {
     let both_logs = [static_log, variable_log];
     let composite = of_paper(SegmentModel::Composite, SegmentOverlap::Linear);
     let composite = calibrate(&both_logs, composite)?;
-    let auto = calibrate(&both_logs, Model::Auto.into())?;
+    let auto = calibrate(&both_logs, Method::AUTO)?;
 
     let [static_log, _] = &both_logs;
     let of_without = sigmas(&without, static_log)?;

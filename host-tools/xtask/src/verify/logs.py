@@ -55,7 +55,7 @@ for data in log.data_list:
         data.data = columns
 written = folder / "written.ulg"
 log.write_ulog(str(written))
-run("fit", written, "--serial", "V", "--out", folder / "ulg", "--no-report")
+run("fit", written, "--serial", "V", "--model", "composite", "--out", folder / "ulg", "--no-report")
 for sensor in range(3):
     set_file = folder / f"ulg/imu{sensor}/coefficients.json"
     for name, file in [("pyulog's", written), ("a real", sample)]:
@@ -86,7 +86,7 @@ for row in range(9000):
         messages.append(struct.pack("<3BQB6f2If2B2H", 0xA3, 0x95, 3, *values))
 written = folder / "written.bin"
 written.write_bytes(b"".join(messages))
-run("fit", written, "--serial", "V", "--out", folder / "bin", "--no-report")
+run("fit", written, "--serial", "V", "--model", "composite", "--out", folder / "bin", "--no-report")
 columns = {0: [], 1: [], 2: []}
 reader = DFReader_binary(str(written))
 while (message := reader.recv_match(type="IMU")) is not None:

@@ -1,0 +1,152 @@
+//! How much of what a model leaves may pass for drift: what late soaks show, in which no model has
+//! anything to do.
+//!
+//! What a model leaves in ramps looks like a drift. Least squares that follows it looks at short
+//! times alone, where the errors of model and sensor are. So drift is bounded by late soaks. A drift
+//! that forgets within minutes there (flicker) is not followed at all: over the times in which
+//! temperatures change it is white, and only makes the noise larger.
+
+use std::ops::Range;
+
+use libm::{exp, log};
+use tempco_log::parallel;
+
+use crate::least_squares::{Block, Blocks, SparseRow};
+use crate::spline::evidence::posterior;
+use crate::spline::folds::SOAK_C_PER_MIN;
+use crate::spline::lowest::lowest;
+use crate::spline::whitening::{NoiseShares, Whitening};
+
+/// A drift that forgets this slowly is a random walk \[s\].
+pub(crate) const FOREVER_S: f64 = 1e6;
+
+/// Shorter drift times need late soaks \[s\], down to the shortest that is tried.
+const SHORT_S: f64 = 3000.0;
+const SHORTEST_S: f64 = 60.0;
+
+/// How much more likely the late soaks must be with a short one, as -2 ln L.
+const LEAST_GAIN: f64 = 20.0;
+
+/// Late soaks know the drift to this factor, and not below this growth of its variance \[1/s\].
+const MARGIN: f64 = 2.0;
+const LEAST_LIMIT_PER_S: f64 = 1e-6;
+
+/// A soak is late after this time \[s\].
+const LATE_S: f64 = 600.0;
+
+/// Noise that a search starts with, and the logarithms of what it tries, one after the other.
+pub(crate) const START_NOISE: NoiseShares = NoiseShares {
+    walk_per_s: 1e-6,
+    drift_s: FOREVER_S,
+    angle: 0.3,
+};
+pub(crate) const LN_WALK_PER_S: (f64, f64) = (-23.0, -2.3);
+pub(crate) const LN_ANGLE: (f64, f64) = (-6.0, 6.0);
+const STEPS: usize = 8;
+const ROUNDS: usize = 3;
+
+/// A shorter stretch says nothing \[s\].
+const LEAST_S: f64 = 200.0;
+
+/// What late soaks allow of the drift of an axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct DriftLimits {
+    /// Fastest growth of the variance \[1/s\].
+    pub(crate) most_walk_per_s: f64,
+    /// How many times as large the variance of what forgets makes the white noise over long times.
+    pub(crate) inflation: f64,
+}
+
+/// The limits of each axis.
+pub(crate) fn limits(blocks: &Blocks) -> Vec<DriftLimits> {
+    let soaks = late_soaks(blocks);
+    let unknown = DriftLimits {
+        most_walk_per_s: LEAST_LIMIT_PER_S,
+        inflation: 1.0,
+    };
+    if soaks.is_empty() {
+        return vec![unknown; blocks.axes()];
+    }
+    let late = blocks.stretches(&soaks);
+    let axes: Vec<usize> = (0..blocks.axes()).collect();
+    parallel::map(&axes, |&axis| {
+        let (long, noise) = best(&late, axis, (FOREVER_S, FOREVER_S));
+        let (short, forgets) = best(&late, axis, (SHORTEST_S, SHORT_S));
+        if long - short > LEAST_GAIN {
+            let slow = forgets.walk_per_s * forgets.drift_s.powi(2) / late.step_s();
+            return DriftLimits {
+                inflation: 1.0 + slow,
+                ..unknown
+            };
+        }
+        DriftLimits {
+            most_walk_per_s: (MARGIN * noise.walk_per_s).max(LEAST_LIMIT_PER_S),
+            ..unknown
+        }
+    })
+}
+
+/// Stretches of blocks in which the temperature has been still for long.
+fn late_soaks(blocks: &Blocks) -> Vec<Range<usize>> {
+    let numbers: Vec<usize> = (0..blocks.blocks.len()).collect();
+    let rates = blocks.slow_rates();
+    let kind = |i: usize| (blocks.blocks[i].log, rates[i].abs() < SOAK_C_PER_MIN);
+    let stretches = numbers.chunk_by(|&a, &b| kind(a) == kind(b));
+    let late = stretches.filter(|stretch| kind(stretch[0]).1).map(|soak| {
+        let time_s = |i: usize| blocks.blocks[i].time_s;
+        let early = soak.partition_point(|&i| time_s(i) - time_s(soak[0]) < LATE_S);
+        soak[0] + early..soak[0] + soak.len()
+    });
+    late.filter(|soak| soak.len() >= blocks.steps_in(LEAST_S))
+        .collect()
+}
+
+/// The least -2 ln L of late soaks, each about a constant of its own, with drift times within a
+/// range \[s\].
+fn best(late: &Blocks, axis: usize, drift_s: (f64, f64)) -> (f64, NoiseShares) {
+    let constant = |block: &Block| SparseRow::from([(block.log, 1.0)]);
+    let rows: Vec<SparseRow> = late.blocks.iter().map(constant).collect();
+    let soaks = late.logs();
+    let deviance = |noise: NoiseShares| {
+        let whitening = Whitening::new(late, noise, |_| true);
+        let products = whitening.products(&rows, soaks, &late.raw[axis]);
+        posterior(&products, &[], &[], soaks).map_or(f64::INFINITY, |of| of.deviance)
+    };
+    let mut noise = NoiseShares {
+        drift_s: drift_s.1,
+        ..START_NOISE
+    };
+    let mut least = (f64::INFINITY, noise);
+    for _ in 0..ROUNDS {
+        let mut cost = |noise: NoiseShares| {
+            let found = deviance(noise);
+            if found < least.0 {
+                least = (found, noise);
+            }
+            found
+        };
+        noise.angle = exp(lowest(LN_ANGLE, STEPS, |angle| {
+            cost(NoiseShares {
+                angle: exp(angle),
+                ..noise
+            })
+        }));
+        noise.drift_s = exp(lowest(
+            (log(drift_s.0), log(drift_s.1)),
+            STEPS,
+            |ln_drift| {
+                cost(NoiseShares {
+                    drift_s: exp(ln_drift),
+                    ..noise
+                })
+            },
+        ));
+        noise.walk_per_s = exp(lowest(LN_WALK_PER_S, STEPS, |ln_walk| {
+            cost(NoiseShares {
+                walk_per_s: exp(ln_walk),
+                ..noise
+            })
+        }));
+    }
+    least
+}

@@ -1,0 +1,515 @@
+//! The lags, mixes, ridges and noises that make the logs most likely.
+
+use nalgebra::{DMatrix, DVector};
+use tempco::TableError;
+use tempco_log::parallel;
+
+use crate::least_squares::{Basis, Blocks, RateForm, SparseRow, dot};
+use crate::spline::drift::{DriftLimits, LN_ANGLE, LN_WALK_PER_S, START_NOISE};
+use crate::spline::evidence::{Posterior, posterior, tune};
+use crate::spline::lags::{Form, Lags, cells_of_hat};
+use crate::spline::lowest::lowest;
+use crate::spline::regressors::{Paths, Points};
+use crate::spline::ridges::{Ridges, of_basis};
+use crate::spline::sensor_noise::sensor_noise;
+use crate::spline::whitening::{NoiseShares, Whitening};
+
+/// Time constants from which the search starts \[s\].
+const START_TAU_S: [f64; 4] = [40.0, 120.0, 360.0, 1000.0];
+const START_TAU2_S: [f64; 4] = [150.0, 700.0, 2200.0, 7000.0];
+
+/// Starts that are followed.
+const FOLLOWED: usize = 2;
+
+/// Rounds of moving lags, then ridges and noises.
+const ROUNDS: usize = 3;
+
+/// Steps of the lags in a round, and attempts at each.
+const STEPS: usize = 8;
+const ATTEMPTS: usize = 6;
+
+/// A step that gains less than this in -2 ln L is the last one.
+const LEAST_GAIN: f64 = 0.3;
+
+/// Differences by which slopes are found: of the logarithm of a time constant, and of a share.
+const DIFFERENCES: [f64; Lags::COUNT] = [0.03, 0.03, 0.02, 0.02, 0.02, 0.02];
+
+/// Steps of the search for each number of the noise, and rounds over all of them.
+const NOISE_STEPS: usize = 5;
+const NOISE_ROUNDS: usize = 2;
+
+/// The same once it was found: so far on both sides, in logarithms, and so many steps.
+const NEAR: f64 = 1.2;
+const FEW_NOISE_STEPS: usize = 1;
+
+/// Share of the sensor's noise in whitened temperatures. Least squares takes it for temperature,
+/// and makes every coefficient smaller by this share.
+const MOST_SENSOR_NOISE: f64 = 0.01;
+
+/// Rounds of the ridges.
+const FIRST_TUNING: usize = 12;
+const TUNING: usize = 25;
+
+/// Noise and ridges of an axis.
+#[derive(Clone, Debug)]
+pub(crate) struct AxisPriors {
+    pub(crate) noise: NoiseShares,
+    pub(crate) limits: DriftLimits,
+    /// Whether `noise` was searched over its whole range.
+    pub(crate) is_tuned: bool,
+    pub(crate) precisions: Vec<f64>,
+}
+
+/// What is searched over.
+pub(crate) struct Problem<'a> {
+    pub(crate) paths: &'a Paths<'a>,
+    pub(crate) form: Form,
+    /// For each axis.
+    pub(crate) limits: &'a [DriftLimits],
+    /// The longest time constant \[s\].
+    pub(crate) most_tau2_s: f64,
+    /// Lowest and highest of each number; where both are the same it is not searched.
+    pub(crate) bounds: [(f64, f64); Lags::COUNT],
+}
+
+/// A model at some lags.
+pub(crate) struct Trial {
+    pub(crate) lags: Lags,
+    pub(crate) basis: Basis,
+    pub(crate) ridges: Ridges,
+    pub(crate) rows: Vec<SparseRow>,
+    /// By axis.
+    pub(crate) priors: Vec<AxisPriors>,
+    pub(crate) posteriors: Vec<Posterior>,
+    /// Sum over the axes.
+    pub(crate) deviance: f64,
+}
+
+impl Problem<'_> {
+    /// The best model. `None` where no coefficients can be found.
+    ///
+    /// # Errors
+    /// Settings that the core refuses.
+    pub(crate) fn search(&self) -> Result<Option<Trial>, TableError> {
+        let mut starts = Vec::new();
+        for lags in self.starts() {
+            starts.extend(self.start(&lags)?);
+        }
+        starts.sort_by(|a, b| a.deviance.total_cmp(&b.deviance));
+        starts.truncate(FOLLOWED);
+        let mut best: Option<Trial> = None;
+        for start in starts {
+            let mut found = start;
+            for _ in 0..ROUNDS {
+                let before = found.deviance;
+                found = self.tuned(found);
+                found = self.moved(found)?;
+                if before - found.deviance < LEAST_GAIN {
+                    break;
+                }
+            }
+            let found = self.tuned(found);
+            if best.as_ref().is_none_or(|of| found.deviance < of.deviance) {
+                best = Some(found);
+            }
+        }
+        Ok(best)
+    }
+
+    fn starts(&self) -> Vec<Lags> {
+        let clamp = |of: [f64; Lags::COUNT]| {
+            let pairs: [f64; Lags::COUNT] =
+                std::array::from_fn(|i| of[i].clamp(self.bounds[i].0, self.bounds[i].1));
+            pairs
+        };
+        let mut found: Vec<[f64; Lags::COUNT]> = Vec::new();
+        for tau_s in START_TAU_S {
+            for tau2_s in START_TAU2_S {
+                let apart = Lags {
+                    tau_s,
+                    tau2_s,
+                    kappa: 0.0,
+                    kappa2: 0.0,
+                    play_kappa: 0.0,
+                    play_kappa2: 0.0,
+                };
+                let start = clamp(apart.to_array());
+                if !found.contains(&start) {
+                    found.push(start);
+                }
+            }
+        }
+        found.into_iter().map(|of| self.lags(of)).collect()
+    }
+
+    /// The lags of some numbers, none longer than the logs allow.
+    fn lags(&self, of: [f64; Lags::COUNT]) -> Lags {
+        let lags = Lags::from_array(of);
+        Lags {
+            tau2_s: lags.tau2_s.min(self.most_tau2_s),
+            ..lags
+        }
+    }
+
+    fn basis(&self, points: &Points) -> Basis {
+        let (low, high) = Blocks::range(&points.effective_c);
+        let at = |k: usize| low + (high - low) * k as f64 / self.form.cells as f64;
+        let rate = match self.form.rates {
+            true => RateForm::Hats,
+            false => RateForm::None,
+        };
+        let edges = (0..=self.form.cells).map(at).collect();
+        let basis = Basis::new(edges, rate, self.paths.blocks.logs());
+        basis
+            .with_hats_over(cells_of_hat(self.form.cells))
+            .with_history(self.form.lag2, self.form.plays)
+    }
+
+    /// A trial with ridges and noise of its own, roughly.
+    fn start(&self, lags: &Lags) -> Result<Option<Trial>, TableError> {
+        let blocks = self.paths.blocks;
+        let points = self.paths.points(&self.form, lags)?;
+        let basis = self.basis(&points);
+        let rows = points.rows(blocks, &basis);
+        let ridges = of_basis(&basis);
+        let axes: Vec<usize> = (0..blocks.axes()).collect();
+        let whitening = Whitening::new(blocks, START_NOISE, |_| true);
+        let found = parallel::map(&axes, |&axis| {
+            let products = whitening.products(&rows, basis.columns(), &blocks.raw[axis]);
+            let mut priors = AxisPriors {
+                noise: START_NOISE,
+                limits: self.limits[axis],
+                is_tuned: false,
+                precisions: ridges.groups.iter().map(|of| of.even(&products)).collect(),
+            };
+            let (groups, free) = (&ridges.groups, ridges.free);
+            let posterior = tune(
+                &products,
+                groups,
+                &mut priors.precisions,
+                free,
+                FIRST_TUNING,
+            )?;
+            Some((priors, posterior))
+        });
+        let Some(found) = found.into_iter().collect::<Option<Vec<_>>>() else {
+            return Ok(None);
+        };
+        let (priors, posteriors): (Vec<_>, Vec<_>) = found.into_iter().unzip();
+        let deviance = posteriors.iter().map(|of: &Posterior| of.deviance).sum();
+        Ok(Some(Trial {
+            lags: *lags,
+            basis,
+            ridges,
+            rows,
+            priors,
+            posteriors,
+            deviance,
+        }))
+    }
+
+    /// The same lags with the most likely noise and ridges.
+    fn tuned(&self, mut trial: Trial) -> Trial {
+        let axes: Vec<usize> = (0..trial.priors.len()).collect();
+        let found = parallel::map(&axes, |&axis| {
+            tuned_axis(self.paths.blocks, &trial, axis, &trial.priors[axis])
+        });
+        for (axis, found) in found.into_iter().enumerate() {
+            if let Some((priors, posterior)) = found {
+                trial.priors[axis] = priors;
+                trial.posteriors[axis] = posterior;
+            }
+        }
+        trial.deviance = trial.posteriors.iter().map(|of| of.deviance).sum();
+        trial
+    }
+
+    /// The same ridges and noise with the most likely lags: Gauss-Newton steps on the whitened
+    /// rows, the coefficients eliminated (Golub & Pereyra 1973; Kaufman 1975), damped where they
+    /// do not help.
+    fn moved(&self, start: Trial) -> Result<Trial, TableError> {
+        let mut best = start;
+        let mut damping = 1e-3;
+        for _ in 0..STEPS {
+            let (curvature, slope) = self.slopes(&best)?;
+            let now = best.lags.to_array();
+            // A number at a bound that would leave it stays there.
+            let free: Vec<usize> = (0..Lags::COUNT)
+                .filter(|&i| {
+                    let (low, high) = self.bounds[i];
+                    let outward =
+                        slope[i] < 0.0 && now[i] <= low || slope[i] > 0.0 && now[i] >= high;
+                    low < high && !outward && curvature[(i, i)] > 0.0
+                })
+                .collect();
+            let mut gain = 0.0;
+            for _ in 0..ATTEMPTS {
+                let Some(next) = self.step(now, &free, &curvature, &slope, damping) else {
+                    break;
+                };
+                let tried = self.evaluate(&self.lags(next), &best)?;
+                if let Some(tried) = tried.filter(|of| of.deviance < best.deviance) {
+                    gain = best.deviance - tried.deviance;
+                    best = tried;
+                    damping *= 0.2;
+                    break;
+                }
+                damping *= 10.0;
+            }
+            if gain < LEAST_GAIN {
+                break;
+            }
+        }
+        Ok(best)
+    }
+
+    /// A damped step within the bounds.
+    fn step(
+        &self,
+        now: [f64; Lags::COUNT],
+        free: &[usize],
+        curvature: &DMatrix<f64>,
+        slope: &DVector<f64>,
+        damping: f64,
+    ) -> Option<[f64; Lags::COUNT]> {
+        let count = free.len();
+        let damped = DMatrix::from_fn(count, count, |i, j| {
+            let value = curvature[(free[i], free[j])];
+            if i == j {
+                value * (1.0 + damping)
+            } else {
+                value
+            }
+        });
+        let target = DVector::from_fn(count, |i, _| slope[free[i]]);
+        let step = damped.cholesky()?.solve(&target);
+        let mut next = now;
+        for (&i, step) in free.iter().zip(step.iter()) {
+            next[i] = (next[i] + step).clamp(self.bounds[i].0, self.bounds[i].1);
+        }
+        (next != now).then_some(next)
+    }
+
+    /// The likelihood at other lags, with the noise and ridges of a trial.
+    fn evaluate(&self, lags: &Lags, like: &Trial) -> Result<Option<Trial>, TableError> {
+        let blocks = self.paths.blocks;
+        let points = self.paths.points(&self.form, lags)?;
+        let basis = self.basis(&points);
+        let ridges = of_basis(&basis);
+        let rows = points.rows(blocks, &basis);
+        let axes: Vec<usize> = (0..blocks.axes()).collect();
+        let posteriors = parallel::map(&axes, |&axis| {
+            let AxisPriors {
+                noise, precisions, ..
+            } = &like.priors[axis];
+            let whitening = Whitening::new(blocks, *noise, |_| true);
+            let products = whitening.products(&rows, basis.columns(), &blocks.raw[axis]);
+            posterior(&products, &ridges.groups, precisions, ridges.free)
+        });
+        let Some(posteriors) = posteriors.into_iter().collect::<Option<Vec<_>>>() else {
+            return Ok(None);
+        };
+        let deviance = posteriors.iter().map(|of| of.deviance).sum();
+        Ok(Some(Trial {
+            lags: *lags,
+            basis,
+            ridges,
+            rows,
+            priors: like.priors.clone(),
+            posteriors,
+            deviance,
+        }))
+    }
+
+    /// Curvature and slope of the log likelihood in the lags.
+    fn slopes(&self, trial: &Trial) -> Result<(DMatrix<f64>, DVector<f64>), TableError> {
+        let zero = (
+            DMatrix::zeros(Lags::COUNT, Lags::COUNT),
+            DVector::zeros(Lags::COUNT),
+        );
+        let parts = self.lag_parts(trial)?.into_iter();
+        Ok(parts.fold(zero, |(curvature, slope), part| {
+            (curvature + part.curvature, slope + part.slope)
+        }))
+    }
+
+    /// For each axis, the covariance that its coefficients have because the lags are not known
+    /// better.
+    pub(crate) fn spread(&self, trial: &Trial) -> Result<Vec<DMatrix<f64>>, TableError> {
+        let parts = self.lag_parts(trial)?;
+        let mut curvature = DMatrix::zeros(Lags::COUNT, Lags::COUNT);
+        for part in &parts {
+            curvature += &part.curvature;
+        }
+        // Anywhere within their bounds, if the rows do not say where.
+        for (i, &(low, high)) in self.bounds.iter().enumerate() {
+            curvature[(i, i)] += 12.0 / (high - low).powi(2).max(1e-12);
+        }
+        let n = trial.basis.columns();
+        let Some(factor) = curvature.cholesky() else {
+            return Ok(vec![DMatrix::zeros(n, n); parts.len()]);
+        };
+        let of_axis = |part: LagPart| {
+            // A column at a time: the same sums on every processor.
+            let solved: Vec<DVector<f64>> = part
+                .lever
+                .row_iter()
+                .map(|row| factor.solve(&row.transpose()))
+                .collect();
+            DMatrix::from_fn(n, n, |i, j| part.lever.row(i).transpose().dot(&solved[j]))
+        };
+        Ok(parts.into_iter().map(of_axis).collect())
+    }
+
+    /// What the lags do to each axis.
+    fn lag_parts(&self, trial: &Trial) -> Result<Vec<LagPart>, TableError> {
+        let blocks = self.paths.blocks;
+        let now = trial.lags.to_array();
+        // Rows at lags a little off, on the same basis.
+        let mut beside: Vec<Option<(f64, Vec<SparseRow>)>> = Vec::new();
+        for (i, &(low, high)) in self.bounds.iter().enumerate() {
+            if low >= high {
+                beside.push(None);
+                continue;
+            }
+            let difference = if now[i] + DIFFERENCES[i] <= high {
+                DIFFERENCES[i]
+            } else {
+                -DIFFERENCES[i]
+            };
+            let mut moved = now;
+            moved[i] += difference;
+            let points = self.paths.points(&self.form, &self.lags(moved))?;
+            beside.push(Some((difference, points.rows(blocks, &trial.basis))));
+        }
+        let n = trial.basis.columns();
+        let axes: Vec<usize> = (0..blocks.axes()).collect();
+        Ok(parallel::map(&axes, |&axis| {
+            // What the prediction does per change of each number, in columns of its own.
+            let posterior = &trial.posteriors[axis];
+            let coefficients = posterior.coefficients.as_slice();
+            let mut rows = trial.rows.clone();
+            for (block, row) in rows.iter_mut().enumerate() {
+                let here = dot(&trial.rows[block], coefficients);
+                for (i, moved) in beside.iter().enumerate() {
+                    if let Some((difference, rows)) = moved {
+                        let there = dot(&rows[block], coefficients);
+                        row.push((n + i, (there - here) / difference));
+                    }
+                }
+            }
+            let whitening = Whitening::new(blocks, trial.priors[axis].noise, |_| true);
+            let all = whitening.products(&rows, n + Lags::COUNT, &blocks.raw[axis]);
+            // The part that coefficients can take up is no slope.
+            let cross = all.normal.view((0, n), (n, Lags::COUNT));
+            let own = all.normal.view((n, n), (Lags::COUNT, Lags::COUNT));
+            let cross = cross.into_owned();
+            let taken = sandwich(&posterior.inverse, &cross);
+            let target = all.target.rows(n, Lags::COUNT);
+            let slope = target - cross.tr_mul(&posterior.coefficients);
+            let columns: Vec<DVector<f64>> = cross
+                .column_iter()
+                .map(|column| &posterior.inverse * column)
+                .collect();
+            LagPart {
+                curvature: (own - taken) / posterior.variance,
+                slope: slope / posterior.variance,
+                lever: DMatrix::from_columns(&columns),
+            }
+        }))
+    }
+}
+
+/// What the lags do to an axis.
+struct LagPart {
+    /// Of the log likelihood.
+    curvature: DMatrix<f64>,
+    slope: DVector<f64>,
+    /// How far coefficients move, with the other sign, per change of each number.
+    lever: DMatrix<f64>,
+}
+
+/// `B' A B`, a column at a time: the same sums on every processor.
+fn sandwich(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
+    let columns: Vec<DVector<f64>> = b.column_iter().map(|column| a * column).collect();
+    DMatrix::from_fn(b.ncols(), b.ncols(), |i, j| b.column(i).dot(&columns[j]))
+}
+
+/// An axis with the most likely noise and ridges.
+pub(crate) fn tuned_axis(
+    blocks: &Blocks,
+    trial: &Trial,
+    axis: usize,
+    from: &AxisPriors,
+) -> Option<(AxisPriors, Posterior)> {
+    let columns = trial.basis.columns();
+    let (groups, free) = (&trial.ridges.groups, trial.ridges.free);
+    let coarse = sensor_noise(blocks);
+    let mut best: Option<(AxisPriors, Posterior)> = None;
+    // A division coarser than the search's has other groups.
+    let mut precisions = match from.precisions.len() == groups.len() {
+        true => from.precisions.clone(),
+        false => {
+            let whitening = Whitening::new(blocks, from.noise, |_| true);
+            let products = whitening.products(&trial.rows, columns, &blocks.raw[axis]);
+            groups.iter().map(|of| of.even(&products)).collect()
+        }
+    };
+    let mut cost = |noise: NoiseShares| {
+        let whitening = Whitening::new(blocks, noise, |_| true);
+        // Temperatures whose noise would bend the curve are not looked at so closely.
+        let share = whitening.share_of_noise(&coarse.temp_c, coarse.variance);
+        if share > MOST_SENSOR_NOISE && noise != from.noise {
+            return f64::INFINITY;
+        }
+        let products = whitening.products(&trial.rows, columns, &blocks.raw[axis]);
+        let Some(found) = tune(&products, groups, &mut precisions, free, TUNING) else {
+            return f64::INFINITY;
+        };
+        let deviance = found.deviance;
+        if best.as_ref().is_none_or(|(_, of)| deviance < of.deviance) {
+            let precisions = precisions.clone();
+            let priors = AxisPriors {
+                noise,
+                precisions,
+                is_tuned: true,
+                ..*from
+            };
+            best = Some((priors, found));
+        }
+        deviance
+    };
+    // One after the other: short and long times say which is which. What is nearly known is looked
+    // for nearby.
+    let mut noise = from.noise;
+    cost(noise);
+    let walks = (LN_WALK_PER_S.0, libm::log(from.limits.most_walk_per_s));
+    let near = |range: (f64, f64), now: f64| match from.is_tuned {
+        true => {
+            let now = libm::log(now).clamp(range.0, range.1);
+            ((now - NEAR).max(range.0), (now + NEAR).min(range.1))
+        }
+        false => range,
+    };
+    let (rounds, steps) = if from.is_tuned {
+        (1, FEW_NOISE_STEPS)
+    } else {
+        (NOISE_ROUNDS, NOISE_STEPS)
+    };
+    for _ in 0..rounds {
+        let angles = near(LN_ANGLE, noise.angle);
+        noise.angle = libm::exp(lowest(angles, steps, |ln_angle| {
+            let angle = libm::exp(ln_angle);
+            cost(NoiseShares { angle, ..noise })
+        }));
+        let walks = near(walks, noise.walk_per_s);
+        noise.walk_per_s = libm::exp(lowest(walks, steps, |ln_walk| {
+            let walk_per_s = libm::exp(ln_walk);
+            cost(NoiseShares {
+                walk_per_s,
+                ..noise
+            })
+        }));
+    }
+    best
+}
