@@ -15,7 +15,7 @@ use crate::spline::held_out::{HeldOut, SegmentRegressors};
 use crate::spline::lags::{Form, HALF_WIDTHS_C, Lags, whole_hats};
 use crate::spline::play_start::play_start_min;
 use crate::spline::regressors::Paths;
-use crate::spline::search::{Problem, Trial};
+use crate::spline::search::Problem;
 use crate::spline::{drift, fit};
 use crate::summary::ChannelData;
 

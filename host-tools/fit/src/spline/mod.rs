@@ -11,6 +11,7 @@
 //! | --- | --- |
 //! | `lags`, `regressors` | two thermal lags and their mixes; what the model sees of each block |
 //! | `whitening`, `drift` | white noise, noise of the angle and drift, taken apart |
+//! | `sensor_noise` | how far the temperature of a block is from the truth |
 //! | `evidence`, `ridges` | coefficients under ridges of the highest marginal likelihood |
 //! | `lowest`, `search` | the most likely lags, mixes, ridges and noise |
 //! | `deployed`, `fit`, `play_start` | the model on the core's own points, as it flies |

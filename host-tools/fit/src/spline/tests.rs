@@ -47,10 +47,10 @@ fn rows(count: usize) -> Vec<SparseRow> {
     let mut random = white(3);
     let row = |i: usize| {
         let mut row: SparseRow = (0..COLUMNS)
-            .filter(|column| (i + column) % 3 != 0)
+            .filter(|column| !(i + column).is_multiple_of(3))
             .map(|column| (column, random.next().unwrap()))
             .collect();
-        if i % 5 == 0 {
+        if i.is_multiple_of(5) {
             row.push((1, 0.4));
         }
         row
@@ -136,7 +136,7 @@ fn whitened_products_are_those_of_the_dense_covariance() {
 #[test]
 fn blocks_that_are_left_out_are_as_if_they_were_not_there() {
     let blocks = uneven();
-    let is_used = |i: usize| !(10..20).contains(&i) && i % 7 != 0;
+    let is_used = |i: usize| !(10..20).contains(&i) && !i.is_multiple_of(7);
     let kept: Vec<usize> = (0..blocks.blocks.len()).filter(|&i| is_used(i)).collect();
     let all = rows(blocks.blocks.len());
     let whitening = Whitening::new(&blocks, NOISE, is_used);
