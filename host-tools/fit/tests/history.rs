@@ -179,15 +179,17 @@ fn one_rate_gives_no_second_lag_and_says_so() {
 #[test]
 fn few_soaks_and_ramps_give_neither_rate_terms_nor_history() {
     let mut log = run(WHOLE, ChamberRun::ManyRates, 1, CALM);
-    let rows = 420;
-    log.time_s.truncate(rows);
-    log.channels[0].temp_c.truncate(rows);
-    log.channels[0].axes[0].raw.truncate(rows);
+    // A part of the first ramp.
+    let rows = 250..440;
+    log.time_s = log.time_s[rows.clone()].to_vec();
+    let channel = &mut log.channels[0];
+    channel.temp_c = channel.temp_c[rows.clone()].to_vec();
+    channel.axes[0].raw = channel.axes[0].raw[rows].to_vec();
     let fit = fitted(&log);
     let channel = &fit.set.channels[0];
     let selection = channel.selection.as_ref().unwrap();
     assert!(
-        selection.soaks_and_ramps < 2,
+        selection.soaks_and_ramps < 3,
         "{}",
         selection.soaks_and_ramps
     );

@@ -142,7 +142,8 @@ fn warn_of_terms(asked_for: Model, channel: &ChannelSet, warnings: &mut Vec<Warn
             WarningCode::NoRateTerms,
             format!(
                 "{}: the model has no rate terms, no lag shift and no history terms. They are tried \
-                 where the logs hold two soaks and ramps or more; these hold {}",
+                 where the logs hold four soaks and ramps, or three with ramps of two rates; these \
+                 hold {}",
                 channel.temperature, selection.soaks_and_ramps
             ),
         ));

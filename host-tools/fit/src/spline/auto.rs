@@ -39,9 +39,10 @@ const LEAST_LOG: f64 = 4.0;
 const KAPPA: (f64, f64) = (0.0, 1.5);
 const OTHER_SHARES: (f64, f64) = (-2.0, 2.0);
 
-/// With fewer soaks and ramps no temperature was passed at two rates, and what the rate does is not
-/// known.
-const LEAST_PARTS: usize = 2;
+/// With fewer soaks and ramps no temperature was passed twice at two rates, and what the rate does
+/// is not known: with ramps of several rates, and with ramps of one.
+const LEAST_PARTS: usize = 3;
+const LEAST_PARTS_OF_ONE_RATE: usize = 4;
 
 /// A play takes temperatures over this many half widths.
 const LEAST_WIDTHS: f64 = 3.0;
@@ -137,10 +138,13 @@ impl Question<'_> {
     fn form(&self, folds: &Folds) -> Form {
         let (low, high) = Blocks::range(&self.blocks.temp_c);
         let span_c = high - low;
-        // No temperature was passed twice at two rates: the rate is not known apart.
-        let rates = folds.soaks_and_ramps >= LEAST_PARTS;
         // With one rate, a loop and a lag look the same.
         let several = folds.ramp_rates.len() >= Selection::LEAST_RATES;
+        let least = match several {
+            true => LEAST_PARTS,
+            false => LEAST_PARTS_OF_ONE_RATE,
+        };
+        let rates = folds.soaks_and_ramps >= least;
         let plays = HALF_WIDTHS_C.iter();
         let plays = plays.filter(|&&width_c| span_c > LEAST_WIDTHS * width_c);
         Form {
