@@ -228,7 +228,8 @@ mod tests {
         for found in &set.channels[0].axes[0].polynomials {
             let truth = truth(found);
             for (found, truth) in found.coefficients().iter().zip(truth.coefficients()) {
-                assert!((found - truth).abs() < 1e-9, "{found} {truth}");
+                // Ridges pull a little, less than any noise.
+                assert!((found - truth).abs() < 1e-4, "{found} {truth}");
             }
         }
     }
