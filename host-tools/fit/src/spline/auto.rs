@@ -16,6 +16,7 @@ use crate::spline::lags::{Form, HALF_WIDTHS_C, Lags, whole_hats};
 use crate::spline::play_start::play_start_min;
 use crate::spline::regressors::Paths;
 use crate::spline::search::Problem;
+use crate::spline::sensor_noise::sensor_noise;
 use crate::spline::{drift, fit};
 use crate::summary::ChannelData;
 
@@ -26,6 +27,7 @@ const LEAST_WIDTH_C: f64 = 4.0;
 /// Time constants that are tried \[s\]; a filter must also see several rows per time constant.
 const TAU_S: (f64, f64) = (10.0, 2400.0);
 const LEAST_ROWS: f64 = 4.0;
+
 /// How many times as long the second time constant is: nearer ones would do the same work.
 const APART: (f64, f64) = (2.5, 400.0);
 
@@ -86,10 +88,11 @@ impl Question<'_> {
         let (data, blocks) = (self.data, self.blocks);
         let form = self.form(folds);
         let paths = Paths::new(data, blocks, self.settings);
-        let limits = drift::limits(blocks);
+        let (limits, sensor) = (drift::limits(blocks), sensor_noise(blocks));
         let problem = Problem {
             paths: &paths,
             form,
+            sensor: &sensor,
             limits: &limits,
             most_tau2_s: (blocks.longest_log_s() / LEAST_LOG).min(MOST_TAU2_S),
             bounds: self.bounds(&form, search),
@@ -105,7 +108,7 @@ impl Question<'_> {
             ..form.settings(&lags, self.settings)
         };
         let spread = problem.spread(&found).map_err(FitError::Settings)?;
-        let (fit, deployed) = fit::fit(data, blocks, thermal, &form, (found, &spread))?;
+        let (fit, deployed) = fit::fit((data, blocks, &sensor), thermal, &form, (found, &spread))?;
         let Some(held_out) = deployed.held_out(blocks, folds) else {
             return Ok(None);
         };

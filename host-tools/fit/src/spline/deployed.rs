@@ -9,6 +9,7 @@ use crate::spline::folds::Folds;
 use crate::spline::held_out::HeldOut;
 use crate::spline::ridges::of_basis;
 use crate::spline::search::{AxisPriors, Trial, tuned_axis};
+use crate::spline::sensor_noise::SensorNoise;
 use crate::spline::whitening::Whitening;
 
 /// The coefficients of an axis, how well they are known, and the noise that remains.
@@ -37,6 +38,7 @@ impl Deployed {
     pub(crate) fn fit(
         points: &SamplePoints,
         blocks: &Blocks,
+        sensor: &SensorNoise,
         basis: Basis,
         (found, spread): (Trial, &[DMatrix<f64>]),
     ) -> Option<Self> {
@@ -47,7 +49,8 @@ impl Deployed {
             rows,
             ..found
         };
-        let axes = (0..blocks.axes()).map(|axis| solve(blocks, &trial, axis, &spread[axis]));
+        let axes =
+            (0..blocks.axes()).map(|axis| solve(blocks, sensor, &trial, axis, &spread[axis]));
         Some(Self {
             axes: axes.collect::<Option<_>>()?,
             basis: trial.basis,
@@ -151,11 +154,12 @@ fn rows(points: &SamplePoints, blocks: &Blocks, basis: &Basis) -> Vec<SparseRow>
 
 fn solve(
     blocks: &Blocks,
+    sensor: &SensorNoise,
     trial: &Trial,
     axis: usize,
     spread: &DMatrix<f64>,
 ) -> Option<AxisSolution> {
-    let (priors, posterior) = tuned_axis(blocks, trial, axis, &trial.priors[axis])?;
+    let (priors, posterior) = tuned_axis(blocks, sensor, trial, axis)?;
     let columns = trial.basis.columns();
     // A column counts where one of its groups explains something, or where it has none.
     let in_use = in_use(&trial.ridges.groups, &priors.precisions, &posterior);

@@ -9,18 +9,18 @@ use tempco_set::{
 
 use crate::channel_fit::ChannelFit;
 use crate::error::FitError;
-use crate::least_squares::{Basis, Blocks, RateForm, SamplePoints, SparseRow};
+use crate::least_squares::{Blocks, SamplePoints, SparseRow};
 use crate::segments::solve::{LEAST_SPAN, Place, SegmentRows};
 use crate::spline::deployed::{AxisSolution, Deployed, range};
-use crate::spline::lags::{Form, cells_of_hat, whole_hats};
+use crate::spline::lags::{Form, edges_c, whole_hats};
 use crate::spline::search::Trial;
+use crate::spline::sensor_noise::SensorNoise;
 use crate::summary::ChannelData;
 
 /// Fits the model that a search found, with the core's own points at its lags; `spread` is the
 /// covariance of each axis' coefficients that comes from the lags.
 pub(crate) fn fit(
-    data: &ChannelData,
-    blocks: &Blocks,
+    (data, blocks, sensor): (&ChannelData, &Blocks, &SensorNoise),
     thermal: ThermalSettings,
     form: &Form,
     (found, spread): (Trial, &[DMatrix<f64>]),
@@ -31,14 +31,8 @@ pub(crate) fn fit(
     let points = SamplePoints::new(data, &open);
     let calibrated_c = range(&points, blocks, |point| point.effective_c);
     let (edges_c, segments) = cells(data, blocks, &points, calibrated_c, form);
-    let rate = match form.rates {
-        true => RateForm::Hats,
-        false => RateForm::None,
-    };
-    let basis = Basis::new(edges_c, rate, data.logs.len())
-        .with_hats_over(cells_of_hat(segments.len()))
-        .with_history(form.lag2, form.plays);
-    let deployed = Deployed::fit(&points, blocks, basis, (found, spread));
+    let basis = form.basis(edges_c, data.logs.len());
+    let deployed = Deployed::fit(&points, blocks, sensor, basis, (found, spread));
     let deployed = deployed.ok_or(FitError::Spline {
         segments: segments.len(),
     })?;
@@ -120,13 +114,12 @@ fn cells(
     (low_c, high_c): (f32, f32),
     form: &Form,
 ) -> (Vec<f64>, Vec<SegmentSet>) {
-    let (low, high) = (f64::from(low_c), f64::from(high_c));
+    let range_c = (f64::from(low_c), f64::from(high_c));
     let counts = (1..=form.cells)
         .rev()
         .filter(|&count| whole_hats(count) == count);
     for count in counts {
-        let edge = |k: usize| low + (high - low) * k as f64 / count as f64;
-        let edges_c: Vec<f64> = (0..=count).map(edge).collect();
+        let edges_c = edges_c(range_c, count);
         let found = coverage(data, blocks, points, &edges_c, form);
         if count == 1 || found.iter().all(is_covered) {
             return (edges_c, found);

@@ -2,6 +2,8 @@
 
 use tempco::{PLAYS, ThermalSettings};
 
+use crate::least_squares::{Basis, RateForm};
+
 /// No lag is limited while fitting \[degC\].
 const NO_LIMIT_C: f32 = 1e3;
 
@@ -11,6 +13,9 @@ pub(crate) const HALF_WIDTHS_C: [f64; PLAYS] = [2.0, 12.0];
 /// The least number that the rate is divided by after power-on. A long time constant would
 /// otherwise take the first minutes of warming up for the beginning of an endless ramp.
 const LEAST_DIVISOR: f32 = 0.4;
+
+/// Cells over which a gain of rate or second lag is straight; all of them where they are few.
+const STRAIGHT: usize = 4;
 
 /// Parameters of the thermal path, apart from coefficients.
 ///
@@ -74,6 +79,18 @@ pub(crate) struct Form {
 }
 
 impl Form {
+    /// The basis of this form over some edges of cells \[degC\].
+    pub(crate) fn basis(&self, edges_c: Vec<f64>, logs: usize) -> Basis {
+        let rate = match self.rates {
+            true => RateForm::Hats,
+            false => RateForm::None,
+        };
+        let cells_of_hat = STRAIGHT.min(edges_c.len() - 1);
+        Basis::new(edges_c, rate, logs)
+            .with_hats_over(cells_of_hat)
+            .with_history(self.lag2, self.plays)
+    }
+
     /// Settings of the core with this form; no second lag is limited.
     pub(crate) fn settings(&self, lags: &Lags, of: ThermalSettings) -> ThermalSettings {
         let width_c = |play: usize| match play < self.plays {
@@ -98,8 +115,11 @@ impl Form {
     }
 }
 
-/// Cells over which a gain of rate or second lag is straight.
-const STRAIGHT: usize = 4;
+/// Ends of cells of equal width over a range \[degC\].
+pub(crate) fn edges_c((low, high): (f64, f64), cells: usize) -> Vec<f64> {
+    let edge = |k: usize| low + (high - low) * k as f64 / cells as f64;
+    (0..=cells).map(edge).collect()
+}
 
 /// The most cells, up to some number, that whole hats cover.
 pub(crate) fn whole_hats(cells: usize) -> usize {
@@ -107,9 +127,4 @@ pub(crate) fn whole_hats(cells: usize) -> usize {
         ..STRAIGHT => cells,
         _ => cells / STRAIGHT * STRAIGHT,
     }
-}
-
-/// Cells under one hat: all of them where they are few.
-pub(crate) fn cells_of_hat(cells: usize) -> usize {
-    STRAIGHT.min(cells)
 }

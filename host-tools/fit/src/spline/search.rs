@@ -4,14 +4,14 @@ use nalgebra::{DMatrix, DVector};
 use tempco::TableError;
 use tempco_log::parallel;
 
-use crate::least_squares::{Basis, Blocks, RateForm, SparseRow, dot};
+use crate::least_squares::{Basis, Blocks, SparseRow, dot};
 use crate::spline::drift::{DriftLimits, LN_ANGLE, LN_WALK_PER_S, START_NOISE};
 use crate::spline::evidence::{Posterior, posterior, tune};
-use crate::spline::lags::{Form, Lags, cells_of_hat};
+use crate::spline::lags::{Form, Lags, edges_c};
 use crate::spline::lowest::lowest;
 use crate::spline::regressors::{Paths, Points};
 use crate::spline::ridges::{Ridges, of_basis};
-use crate::spline::sensor_noise::sensor_noise;
+use crate::spline::sensor_noise::SensorNoise;
 use crate::spline::whitening::{NoiseShares, Whitening};
 
 /// Time constants from which the search starts \[s\].
@@ -64,6 +64,7 @@ pub(crate) struct AxisPriors {
 pub(crate) struct Problem<'a> {
     pub(crate) paths: &'a Paths<'a>,
     pub(crate) form: Form,
+    pub(crate) sensor: &'a SensorNoise,
     /// For each axis.
     pub(crate) limits: &'a [DriftLimits],
     /// The longest time constant \[s\].
@@ -152,17 +153,9 @@ impl Problem<'_> {
     }
 
     fn basis(&self, points: &Points) -> Basis {
-        let (low, high) = Blocks::range(&points.effective_c);
-        let at = |k: usize| low + (high - low) * k as f64 / self.form.cells as f64;
-        let rate = match self.form.rates {
-            true => RateForm::Hats,
-            false => RateForm::None,
-        };
-        let edges = (0..=self.form.cells).map(at).collect();
-        let basis = Basis::new(edges, rate, self.paths.blocks.logs());
-        basis
-            .with_hats_over(cells_of_hat(self.form.cells))
-            .with_history(self.form.lag2, self.form.plays)
+        let range_c = Blocks::range(&points.effective_c);
+        let edges_c = edges_c(range_c, self.form.cells);
+        self.form.basis(edges_c, self.paths.blocks.logs())
     }
 
     /// A trial with ridges and noise of its own, roughly.
@@ -212,7 +205,7 @@ impl Problem<'_> {
     fn tuned(&self, mut trial: Trial) -> Trial {
         let axes: Vec<usize> = (0..trial.priors.len()).collect();
         let found = parallel::map(&axes, |&axis| {
-            tuned_axis(self.paths.blocks, &trial, axis, &trial.priors[axis])
+            tuned_axis(self.paths.blocks, self.sensor, &trial, axis)
         });
         for (axis, found) in found.into_iter().enumerate() {
             if let Some((priors, posterior)) = found {
@@ -401,20 +394,21 @@ impl Problem<'_> {
             let whitening = Whitening::new(blocks, trial.priors[axis].noise, |_| true);
             let all = whitening.products(&rows, n + Lags::COUNT, &blocks.raw[axis]);
             // The part that coefficients can take up is no slope.
-            let cross = all.normal.view((0, n), (n, Lags::COUNT));
+            let cross = all.normal.view((0, n), (n, Lags::COUNT)).into_owned();
             let own = all.normal.view((n, n), (Lags::COUNT, Lags::COUNT));
-            let cross = cross.into_owned();
-            let taken = sandwich(&posterior.inverse, &cross);
+            // A column at a time: the same sums on every processor.
+            let columns = cross.column_iter();
+            let lever: Vec<DVector<f64>> =
+                columns.map(|column| &posterior.inverse * column).collect();
+            let taken = DMatrix::from_fn(Lags::COUNT, Lags::COUNT, |i, j| {
+                cross.column(i).dot(&lever[j])
+            });
             let target = all.target.rows(n, Lags::COUNT);
             let slope = target - cross.tr_mul(&posterior.coefficients);
-            let columns: Vec<DVector<f64>> = cross
-                .column_iter()
-                .map(|column| &posterior.inverse * column)
-                .collect();
             LagPart {
                 curvature: (own - taken) / posterior.variance,
                 slope: slope / posterior.variance,
-                lever: DMatrix::from_columns(&columns),
+                lever: DMatrix::from_columns(&lever),
             }
         }))
     }
@@ -429,22 +423,16 @@ struct LagPart {
     lever: DMatrix<f64>,
 }
 
-/// `B' A B`, a column at a time: the same sums on every processor.
-fn sandwich(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
-    let columns: Vec<DVector<f64>> = b.column_iter().map(|column| a * column).collect();
-    DMatrix::from_fn(b.ncols(), b.ncols(), |i, j| b.column(i).dot(&columns[j]))
-}
-
 /// An axis with the most likely noise and ridges.
 pub(crate) fn tuned_axis(
     blocks: &Blocks,
+    sensor: &SensorNoise,
     trial: &Trial,
     axis: usize,
-    from: &AxisPriors,
 ) -> Option<(AxisPriors, Posterior)> {
     let columns = trial.basis.columns();
     let (groups, free) = (&trial.ridges.groups, trial.ridges.free);
-    let coarse = sensor_noise(blocks);
+    let from = &trial.priors[axis];
     let mut best: Option<(AxisPriors, Posterior)> = None;
     // A division coarser than the search's has other groups.
     let mut precisions = match from.precisions.len() == groups.len() {
@@ -458,7 +446,7 @@ pub(crate) fn tuned_axis(
     let mut cost = |noise: NoiseShares| {
         let whitening = Whitening::new(blocks, noise, |_| true);
         // Temperatures whose noise would bend the curve are not looked at so closely.
-        let share = whitening.share_of_noise(&coarse.temp_c, coarse.variance);
+        let share = whitening.share_of_noise(&sensor.temp_c, sensor.variance);
         if share > MOST_SENSOR_NOISE && noise != from.noise {
             return f64::INFINITY;
         }
