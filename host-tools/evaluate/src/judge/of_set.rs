@@ -156,7 +156,8 @@ fn warn_of_terms(asked_for: Model, channel: &ChannelSet, warnings: &mut Vec<Warn
         warnings.push(Warning::new(
             WarningCode::HistoryTermsNotTried,
             format!(
-                "{}: plays and second lag are not tried. All ramps are of one rate, so hysteresis and lags look the same",
+                "{}: plays and second lag are not tried. All ramps are of one rate, so hysteresis \
+                 and lags look the same",
                 channel.temperature
             ),
         ));

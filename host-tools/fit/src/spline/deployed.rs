@@ -8,8 +8,8 @@ use crate::spline::evidence::{in_use, posterior};
 use crate::spline::folds::Folds;
 use crate::spline::held_out::HeldOut;
 use crate::spline::ridges::of_basis;
-use crate::spline::search::{AxisPriors, Trial, tuned_axis};
 use crate::spline::sensor_noise::SensorNoise;
+use crate::spline::tuning::{AxisPriors, Trial, tuned_axis};
 use crate::spline::whitening::Whitening;
 
 /// The coefficients of an axis, how well they are known, and the noise that remains.

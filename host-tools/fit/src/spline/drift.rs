@@ -8,13 +8,13 @@
 
 use std::ops::Range;
 
-use libm::{exp, log};
+use libm::log;
 use tempco_log::parallel;
 
 use crate::least_squares::{Block, Blocks, SparseRow};
 use crate::spline::evidence::posterior;
 use crate::spline::folds::SOAK_C_PER_MIN;
-use crate::spline::lowest::lowest;
+use crate::spline::lowest::lowest_exp;
 use crate::spline::whitening::{NoiseShares, Whitening};
 
 /// A drift that forgets this slowly is a random walk \[s\].
@@ -125,28 +125,19 @@ fn best(late: &Blocks, axis: usize, drift_s: (f64, f64)) -> (f64, NoiseShares) {
             }
             found
         };
-        noise.angle = exp(lowest(LN_ANGLE, STEPS, |angle| {
+        noise.angle = lowest_exp(LN_ANGLE, STEPS, |angle| {
+            cost(NoiseShares { angle, ..noise })
+        });
+        let ln_drift_s = (log(drift_s.0), log(drift_s.1));
+        noise.drift_s = lowest_exp(ln_drift_s, STEPS, |drift_s| {
+            cost(NoiseShares { drift_s, ..noise })
+        });
+        noise.walk_per_s = lowest_exp(LN_WALK_PER_S, STEPS, |walk_per_s| {
             cost(NoiseShares {
-                angle: exp(angle),
+                walk_per_s,
                 ..noise
             })
-        }));
-        noise.drift_s = exp(lowest(
-            (log(drift_s.0), log(drift_s.1)),
-            STEPS,
-            |ln_drift| {
-                cost(NoiseShares {
-                    drift_s: exp(ln_drift),
-                    ..noise
-                })
-            },
-        ));
-        noise.walk_per_s = exp(lowest(LN_WALK_PER_S, STEPS, |ln_walk| {
-            cost(NoiseShares {
-                walk_per_s: exp(ln_walk),
-                ..noise
-            })
-        }));
+        });
     }
     least
 }

@@ -13,8 +13,8 @@ use crate::least_squares::{Blocks, SamplePoints, SparseRow};
 use crate::segments::solve::{LEAST_SPAN, Place, SegmentRows};
 use crate::spline::deployed::{AxisSolution, Deployed, range};
 use crate::spline::lags::{Form, edges_c, whole_hats};
-use crate::spline::search::Trial;
 use crate::spline::sensor_noise::SensorNoise;
+use crate::spline::tuning::Trial;
 use crate::summary::ChannelData;
 
 /// Fits the model that a search found, with the core's own points at its lags; `spread` is the

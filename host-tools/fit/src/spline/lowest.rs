@@ -34,6 +34,15 @@ pub(crate) fn lowest(
     tried[position_of_lowest(&tried)].0
 }
 
+/// As [`lowest`], of a positive number, by its logarithm.
+pub(crate) fn lowest_exp(
+    logarithms: (f64, f64),
+    steps: usize,
+    mut cost: impl FnMut(f64) -> f64,
+) -> f64 {
+    libm::exp(lowest(logarithms, steps, |x| cost(libm::exp(x))))
+}
+
 fn position_of_lowest(tried: &[(f64, f64)]) -> usize {
     let values = tried.iter().enumerate();
     values

@@ -13,7 +13,8 @@
 //! | `whitening`, `drift` | white noise, noise of the angle and drift, taken apart |
 //! | `sensor_noise` | how far the temperature of a block is from the truth |
 //! | `evidence`, `ridges` | coefficients under ridges of the highest marginal likelihood |
-//! | `lowest`, `search` | the most likely lags, mixes, ridges and noise |
+//! | `lowest`, `tuning` | the most likely ridges and noise at some lags |
+//! | `search` | the most likely lags and mixes |
 //! | `deployed`, `fit`, `play_start` | the model on the core's own points, as it flies |
 //! | `folds`, `held_out` | errors on soaks and ramps that were left out |
 //! | `auto` | which terms the logs allow; the comparison with simpler models |
@@ -34,4 +35,5 @@ mod search;
 mod sensor_noise;
 #[cfg(test)]
 mod tests;
+mod tuning;
 mod whitening;

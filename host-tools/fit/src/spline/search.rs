@@ -5,14 +5,14 @@ use tempco::TableError;
 use tempco_log::parallel;
 
 use crate::least_squares::{Basis, Blocks, SparseRow, dot};
-use crate::spline::drift::{DriftLimits, LN_ANGLE, LN_WALK_PER_S, START_NOISE};
+use crate::spline::drift::{DriftLimits, START_NOISE};
 use crate::spline::evidence::{Posterior, posterior, tune};
 use crate::spline::lags::{Form, Lags, edges_c};
-use crate::spline::lowest::lowest;
 use crate::spline::regressors::{Paths, Points};
 use crate::spline::ridges::{Ridges, of_basis};
 use crate::spline::sensor_noise::SensorNoise;
-use crate::spline::whitening::{NoiseShares, Whitening};
+use crate::spline::tuning::{AxisPriors, Trial, tuned_axis};
+use crate::spline::whitening::Whitening;
 
 /// Time constants from which the search starts \[s\].
 const START_TAU_S: [f64; 4] = [40.0, 120.0, 360.0, 1000.0];
@@ -34,31 +34,8 @@ const LEAST_GAIN: f64 = 0.3;
 /// Differences by which slopes are found: of the logarithm of a time constant, and of a share.
 const DIFFERENCES: [f64; Lags::COUNT] = [0.03, 0.03, 0.02, 0.02, 0.02, 0.02];
 
-/// Steps of the search for each number of the noise, and rounds over all of them.
-const NOISE_STEPS: usize = 5;
-const NOISE_ROUNDS: usize = 2;
-
-/// The same once it was found: so far on both sides, in logarithms, and so many steps.
-const NEAR: f64 = 1.2;
-const FEW_NOISE_STEPS: usize = 1;
-
-/// Share of the sensor's noise in whitened temperatures. Least squares takes it for temperature,
-/// and makes every coefficient smaller by this share.
-const MOST_SENSOR_NOISE: f64 = 0.01;
-
-/// Rounds of the ridges.
+/// Rounds of the ridges of a start.
 const FIRST_TUNING: usize = 12;
-const TUNING: usize = 25;
-
-/// Noise and ridges of an axis.
-#[derive(Clone, Debug)]
-pub(crate) struct AxisPriors {
-    pub(crate) noise: NoiseShares,
-    pub(crate) limits: DriftLimits,
-    /// Whether `noise` was searched over its whole range.
-    pub(crate) is_tuned: bool,
-    pub(crate) precisions: Vec<f64>,
-}
 
 /// What is searched over.
 pub(crate) struct Problem<'a> {
@@ -71,19 +48,6 @@ pub(crate) struct Problem<'a> {
     pub(crate) most_tau2_s: f64,
     /// Lowest and highest of each number; where both are the same it is not searched.
     pub(crate) bounds: [(f64, f64); Lags::COUNT],
-}
-
-/// A model at some lags.
-pub(crate) struct Trial {
-    pub(crate) lags: Lags,
-    pub(crate) basis: Basis,
-    pub(crate) ridges: Ridges,
-    pub(crate) rows: Vec<SparseRow>,
-    /// By axis.
-    pub(crate) priors: Vec<AxisPriors>,
-    pub(crate) posteriors: Vec<Posterior>,
-    /// Sum over the axes.
-    pub(crate) deviance: f64,
 }
 
 impl Problem<'_> {
@@ -161,43 +125,58 @@ impl Problem<'_> {
     /// A trial with ridges and noise of its own, roughly.
     fn start(&self, lags: &Lags) -> Result<Option<Trial>, TableError> {
         let blocks = self.paths.blocks;
-        let points = self.paths.points(&self.form, lags)?;
-        let basis = self.basis(&points);
-        let rows = points.rows(blocks, &basis);
-        let ridges = of_basis(&basis);
-        let axes: Vec<usize> = (0..blocks.axes()).collect();
         let whitening = Whitening::new(blocks, START_NOISE, |_| true);
-        let found = parallel::map(&axes, |&axis| {
-            let products = whitening.products(&rows, basis.columns(), &blocks.raw[axis]);
+        self.trial(lags, |axis, (basis, rows), ridges| {
+            let products = whitening.products(rows, basis.columns(), &blocks.raw[axis]);
             let mut priors = AxisPriors {
                 noise: START_NOISE,
                 limits: self.limits[axis],
                 is_tuned: false,
                 precisions: ridges.groups.iter().map(|of| of.even(&products)).collect(),
             };
-            let (groups, free) = (&ridges.groups, ridges.free);
-            let posterior = tune(
-                &products,
-                groups,
-                &mut priors.precisions,
-                free,
-                FIRST_TUNING,
-            )?;
+            let (groups, precisions) = (&ridges.groups, &mut priors.precisions);
+            let posterior = tune(&products, groups, precisions, ridges.free, FIRST_TUNING)?;
             Some((priors, posterior))
-        });
+        })
+    }
+
+    /// The likelihood at other lags, with the noise and ridges of a trial.
+    fn evaluate(&self, lags: &Lags, like: &Trial) -> Result<Option<Trial>, TableError> {
+        let blocks = self.paths.blocks;
+        self.trial(lags, |axis, (basis, rows), ridges| {
+            let priors = &like.priors[axis];
+            let whitening = Whitening::new(blocks, priors.noise, |_| true);
+            let products = whitening.products(rows, basis.columns(), &blocks.raw[axis]);
+            let posterior = posterior(&products, &ridges.groups, &priors.precisions, ridges.free)?;
+            Some((priors.clone(), posterior))
+        })
+    }
+
+    /// A trial at some lags; `solve` finds priors and coefficients of an axis.
+    fn trial(
+        &self,
+        lags: &Lags,
+        solve: impl Fn(usize, (&Basis, &[SparseRow]), &Ridges) -> Option<(AxisPriors, Posterior)> + Sync,
+    ) -> Result<Option<Trial>, TableError> {
+        let blocks = self.paths.blocks;
+        let points = self.paths.points(&self.form, lags)?;
+        let basis = self.basis(&points);
+        let ridges = of_basis(&basis);
+        let rows = points.rows(blocks, &basis);
+        let axes: Vec<usize> = (0..blocks.axes()).collect();
+        let found = parallel::map(&axes, |&axis| solve(axis, (&basis, &rows), &ridges));
         let Some(found) = found.into_iter().collect::<Option<Vec<_>>>() else {
             return Ok(None);
         };
-        let (priors, posteriors): (Vec<_>, Vec<_>) = found.into_iter().unzip();
-        let deviance = posteriors.iter().map(|of: &Posterior| of.deviance).sum();
+        let (priors, posteriors): (Vec<_>, Vec<Posterior>) = found.into_iter().unzip();
         Ok(Some(Trial {
             lags: *lags,
             basis,
             ridges,
             rows,
             priors,
+            deviance: posteriors.iter().map(|of| of.deviance).sum(),
             posteriors,
-            deviance,
         }))
     }
 
@@ -281,37 +260,6 @@ impl Problem<'_> {
             next[i] = (next[i] + step).clamp(self.bounds[i].0, self.bounds[i].1);
         }
         (next != now).then_some(next)
-    }
-
-    /// The likelihood at other lags, with the noise and ridges of a trial.
-    fn evaluate(&self, lags: &Lags, like: &Trial) -> Result<Option<Trial>, TableError> {
-        let blocks = self.paths.blocks;
-        let points = self.paths.points(&self.form, lags)?;
-        let basis = self.basis(&points);
-        let ridges = of_basis(&basis);
-        let rows = points.rows(blocks, &basis);
-        let axes: Vec<usize> = (0..blocks.axes()).collect();
-        let posteriors = parallel::map(&axes, |&axis| {
-            let AxisPriors {
-                noise, precisions, ..
-            } = &like.priors[axis];
-            let whitening = Whitening::new(blocks, *noise, |_| true);
-            let products = whitening.products(&rows, basis.columns(), &blocks.raw[axis]);
-            posterior(&products, &ridges.groups, precisions, ridges.free)
-        });
-        let Some(posteriors) = posteriors.into_iter().collect::<Option<Vec<_>>>() else {
-            return Ok(None);
-        };
-        let deviance = posteriors.iter().map(|of| of.deviance).sum();
-        Ok(Some(Trial {
-            lags: *lags,
-            basis,
-            ridges,
-            rows,
-            priors: like.priors.clone(),
-            posteriors,
-            deviance,
-        }))
     }
 
     /// Curvature and slope of the log likelihood in the lags.
@@ -421,83 +369,4 @@ struct LagPart {
     slope: DVector<f64>,
     /// How far coefficients move, with the other sign, per change of each number.
     lever: DMatrix<f64>,
-}
-
-/// An axis with the most likely noise and ridges.
-pub(crate) fn tuned_axis(
-    blocks: &Blocks,
-    sensor: &SensorNoise,
-    trial: &Trial,
-    axis: usize,
-) -> Option<(AxisPriors, Posterior)> {
-    let columns = trial.basis.columns();
-    let (groups, free) = (&trial.ridges.groups, trial.ridges.free);
-    let from = &trial.priors[axis];
-    let mut best: Option<(AxisPriors, Posterior)> = None;
-    // A division coarser than the search's has other groups.
-    let mut precisions = match from.precisions.len() == groups.len() {
-        true => from.precisions.clone(),
-        false => {
-            let whitening = Whitening::new(blocks, from.noise, |_| true);
-            let products = whitening.products(&trial.rows, columns, &blocks.raw[axis]);
-            groups.iter().map(|of| of.even(&products)).collect()
-        }
-    };
-    let mut cost = |noise: NoiseShares| {
-        let whitening = Whitening::new(blocks, noise, |_| true);
-        // Temperatures whose noise would bend the curve are not looked at so closely.
-        let share = whitening.share_of_noise(&sensor.temp_c, sensor.variance);
-        if share > MOST_SENSOR_NOISE && noise != from.noise {
-            return f64::INFINITY;
-        }
-        let products = whitening.products(&trial.rows, columns, &blocks.raw[axis]);
-        let Some(found) = tune(&products, groups, &mut precisions, free, TUNING) else {
-            return f64::INFINITY;
-        };
-        let deviance = found.deviance;
-        if best.as_ref().is_none_or(|(_, of)| deviance < of.deviance) {
-            let precisions = precisions.clone();
-            let priors = AxisPriors {
-                noise,
-                precisions,
-                is_tuned: true,
-                ..*from
-            };
-            best = Some((priors, found));
-        }
-        deviance
-    };
-    // One after the other: short and long times say which is which. What is nearly known is looked
-    // for nearby.
-    let mut noise = from.noise;
-    cost(noise);
-    let walks = (LN_WALK_PER_S.0, libm::log(from.limits.most_walk_per_s));
-    let near = |range: (f64, f64), now: f64| match from.is_tuned {
-        true => {
-            let now = libm::log(now).clamp(range.0, range.1);
-            ((now - NEAR).max(range.0), (now + NEAR).min(range.1))
-        }
-        false => range,
-    };
-    let (rounds, steps) = if from.is_tuned {
-        (1, FEW_NOISE_STEPS)
-    } else {
-        (NOISE_ROUNDS, NOISE_STEPS)
-    };
-    for _ in 0..rounds {
-        let angles = near(LN_ANGLE, noise.angle);
-        noise.angle = libm::exp(lowest(angles, steps, |ln_angle| {
-            let angle = libm::exp(ln_angle);
-            cost(NoiseShares { angle, ..noise })
-        }));
-        let walks = near(walks, noise.walk_per_s);
-        noise.walk_per_s = libm::exp(lowest(walks, steps, |ln_walk| {
-            let walk_per_s = libm::exp(ln_walk);
-            cost(NoiseShares {
-                walk_per_s,
-                ..noise
-            })
-        }));
-    }
-    best
 }
