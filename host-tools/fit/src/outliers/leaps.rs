@@ -16,6 +16,10 @@ use tempco_set::Disturbance;
 /// logs of all simulated units none is further than 6.
 const LIMIT: f64 = 12.0;
 
+/// Neighbours so many blocks away are asked. The second ones find a leap in the middle of a block,
+/// of which the next ones see half.
+const NEIGHBOURS: [usize; 2] = [1, 2];
+
 /// A level differs from another beyond this many standard deviations ...
 const LEVEL_LIMIT: f64 = 8.0;
 
@@ -213,27 +217,29 @@ pub(super) fn find(series: &Series) -> Leaps {
 
 /// Which blocks of an axis leap, and the standard deviation of a block from its neighbours' mean.
 fn leaps_of(values: &[f64], times_s: &[f64]) -> (Vec<bool>, f64) {
-    let mut leaps = vec![false; values.len()];
-    let apart: Vec<(usize, f64)> = (1..values.len() - 1)
-        .filter(|&i| times_s[i + 1] - times_s[i] <= NEAR_S && times_s[i] - times_s[i - 1] <= NEAR_S)
-        .map(|i| (i, (values[i] - 0.5 * (values[i - 1] + values[i + 1])).abs()))
-        .collect();
+    let apart = |i: usize, reach: usize| {
+        let (before, after) = (i.checked_sub(reach)?, i + reach);
+        let [to_before_s, to_after_s] = [
+            times_s[i] - times_s[before],
+            times_s.get(after)? - times_s[i],
+        ];
+        let is_near = to_before_s.max(to_after_s) <= NEAR_S;
+        is_near.then(|| (values[i] - 0.5 * (values[before] + values[after])).abs())
+    };
     // Means of whole pulses are often equal: 0 says nothing about their steps.
-    let mut sizes: Vec<f64> = apart
-        .iter()
-        .map(|(_, of)| *of)
-        .filter(|&of| of > 0.0)
-        .collect();
+    let next = (0..values.len()).filter_map(|i| apart(i, NEIGHBOURS[0]));
+    let mut sizes: Vec<f64> = next.filter(|&of| of > 0.0).collect();
     if sizes.len() < LEAST_BLOCKS {
-        return (leaps, f64::INFINITY);
+        return (vec![false; values.len()], f64::INFINITY);
     }
     let quartile = sizes.len() / 4;
     let (_, quartile, _) = sizes.select_nth_unstable_by(quartile, f64::total_cmp);
     let sigma = SIGMA_PER_QUARTILE * *quartile;
-    for (i, apart) in apart {
-        leaps[i] = apart > LIMIT * sigma;
-    }
-    (leaps, sigma)
+    let leaps = |i: usize| {
+        let mut apart = NEIGHBOURS.iter().filter_map(|&reach| apart(i, reach));
+        apart.any(|apart| apart > LIMIT * sigma)
+    };
+    ((0..values.len()).map(leaps).collect(), sigma)
 }
 
 /// The quiet stretches that are long enough to have a level.

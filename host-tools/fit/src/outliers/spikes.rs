@@ -12,6 +12,11 @@ use crate::summary::{Rows, Spiked};
 /// normal noise one in 5e8.
 const LIMIT: f64 = 6.0;
 
+/// Where most rows are as their local median, as with few whole pulses, the limit is this many steps
+/// of the output, and `LIMIT` times the rms of the distances without this share, the largest.
+const STEPS: f64 = 2.5;
+const TRIMMED: f64 = 0.05;
+
 /// The local median is over this long \[s\] ...
 const WINDOW_S: f64 = 10.0;
 
@@ -37,7 +42,8 @@ pub(crate) fn window_rows(interval_s: f64) -> usize {
 ///
 /// The scale is the larger of two: of the distances from the local medians, and of the steps
 /// between neighbours that differ, which is not below the step of a coarse output such as whole
-/// pulses. Both are medians over the log so far, and over its first 2^14 rows at least.
+/// pulses. Both are medians over the log so far, and over its first 2^14 rows at least. Where most
+/// distances are 0, the steps alone would let spikes of six of them pass: see `STEPS`.
 #[derive(Clone, Debug)]
 pub(crate) struct SpikeFilter {
     axes: Vec<Scale>,
@@ -216,6 +222,14 @@ fn distance(value: f64, levels: [f64; 3]) -> f64 {
     distances.into_iter().fold(f64::INFINITY, f64::min)
 }
 
+/// Rms of all but the largest.
+fn trimmed_rms(distances: &mut [f64]) -> f64 {
+    distances.sort_unstable_by(f64::total_cmp);
+    let count = ((1.0 - TRIMMED) * distances.len() as f64) as usize;
+    let squares = distances[..count].iter().map(|of| of * of);
+    (squares.sum::<f64>() / count.max(1) as f64).sqrt()
+}
+
 /// Some kept rows of a window, evenly spaced.
 fn looked_at(rows: &Rows) -> Vec<usize> {
     let every = rows.len().div_ceil(LOOKED_AT).max(1);
@@ -231,8 +245,14 @@ impl Scale {
         if 8 * seen > 9 * self.counted {
             let steps = self.steps.values().iter().copied();
             let mut steps: Vec<f64> = steps.filter(|&step| step > 0.0).collect();
-            let spread = SIGMA_PER_MAD * median(&mut self.distances.values().to_vec());
-            self.limit = LIMIT * spread.max(SIGMA_PER_STEP * median(&mut steps));
+            let step = median(&mut steps);
+            let mut distances = self.distances.values().to_vec();
+            let spread = SIGMA_PER_MAD * median(&mut distances);
+            self.limit = LIMIT * spread.max(SIGMA_PER_STEP * step);
+            if spread == 0.0 {
+                let limit = STEPS * step + LIMIT * trimmed_rms(&mut distances);
+                self.limit = self.limit.min(limit);
+            }
             self.counted = seen;
         }
         self.limit
@@ -294,5 +314,18 @@ mod tests {
             .collect();
         assert!(spikes(&values, 20).is_empty());
         assert!(spikes(&[5.0; 100], 20).is_empty());
+    }
+
+    /// The pulses of a slow output are few; what is far beyond them is a spike for all that.
+    #[test]
+    fn spikes_go_from_few_whole_pulses() {
+        for (sigma, spike) in [(0.3, 5.0), (0.5, 7.0), (1.0, 15.0)] {
+            let noise = white(3).take(20_000);
+            let mut values: Vec<f64> = noise.map(|v| (sigma * v).round()).collect();
+            assert!(spikes(&values, 20).is_empty(), "{sigma}");
+            let at: Vec<usize> = (50..20_000).step_by(100).collect();
+            at.iter().for_each(|&row| values[row] += spike);
+            assert_eq!(spikes(&values, 20), at, "{sigma}");
+        }
     }
 }

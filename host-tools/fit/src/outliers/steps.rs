@@ -23,6 +23,10 @@ const SUDDEN_LIMIT: f64 = 4.0;
 /// Of the lasting change, at least this share must be sudden.
 const SUDDEN_SHARE: f64 = 0.6;
 
+/// A lasting change is one of all but one of so many parts of the time before and after: what comes and
+/// goes in less is a disturbance.
+const PARTS: usize = 4;
+
 /// Times and sizes of steps.
 pub(super) fn find(times_s: &[f64], values: &[f64]) -> Vec<(f64, f64)> {
     let length_s = match times_s {
@@ -55,6 +59,26 @@ pub(super) fn find(times_s: &[f64], values: &[f64]) -> Vec<(f64, f64)> {
         let usual = SIGMA_PER_MAD * median(&mut sizes);
         (found, usual)
     };
+    // Whether the parts after the i-th value lie on one side of the parts before it, but for one each.
+    let lasts = |i: usize, size: f64| {
+        let mean = |from_s: f64, to_s: f64| {
+            let [a, b] = [from_s, to_s].map(|of| times_s.partition_point(|&t| t < times_s[i] + of));
+            (a < b).then(|| size.signum() * (sums[b] - sums[a]) / (b - a) as f64)
+        };
+        let edge = |part: usize| lasting_s * part as f64 / PARTS as f64;
+        let sorted = |parts: [Option<f64>; PARTS]| {
+            let mut parts: Vec<f64> = parts.into_iter().flatten().collect();
+            parts.sort_unstable_by(f64::total_cmp);
+            parts
+        };
+        let parts = std::array::from_fn(|part| part);
+        let after = sorted(parts.map(|part| mean(edge(part), edge(part + 1))));
+        let before = sorted(parts.map(|part| mean(-edge(part + 1), -edge(part))));
+        match (after.get(1), before.iter().rev().nth(1)) {
+            (Some(after), Some(before)) => after > before,
+            _ => true,
+        }
+    };
     let (lasting, usual) = differences(lasting_s);
     let (sudden, usual_sudden) = differences(sudden_s);
     let limit = LIMIT * usual;
@@ -74,7 +98,9 @@ pub(super) fn find(times_s: &[f64], values: &[f64]) -> Vec<(f64, f64)> {
         }
         peaks.push(time_s);
         let at_once = sudden[i].unwrap_or(0.0);
-        if at_once / size > SUDDEN_SHARE && at_once.abs() > SUDDEN_LIMIT * usual_sudden {
+        let is_sudden =
+            at_once / size > SUDDEN_SHARE && at_once.abs() > SUDDEN_LIMIT * usual_sudden;
+        if is_sudden && lasts(i, size) {
             steps.push((time_s, size));
         }
     }
@@ -106,5 +132,13 @@ mod tests {
             let (times, values) = series(step, width_s);
             assert_eq!(find(&times, &values), [], "{step} over {width_s} s");
         }
+    }
+
+    /// Ten minutes off are half of the time that is compared.
+    #[test]
+    fn what_comes_and_goes_is_no_step() {
+        let (times, mut values) = series(0.0, 1.0);
+        values[900..960].iter_mut().for_each(|value| *value += 20.0);
+        assert_eq!(find(&times, &values), []);
     }
 }
