@@ -234,7 +234,7 @@ fn the_c_header_compiles_and_holds_the_same_numbers() {
         };
         let image = fs::read(bench.path(&format!("{folder}/table.bin"))).unwrap();
         // The channel as in the image, but for the codes of the units.
-        let (head, rest) = image[80..contents_len(image.len()).unwrap()].split_at(108);
+        let (head, rest) = image[80..contents_len(image.len()).unwrap()].split_at(116);
         let (axes, cells) = rest.split_at(3 * 28);
         let axes: Vec<u8> = axes
             .chunks(28)

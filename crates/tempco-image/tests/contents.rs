@@ -48,9 +48,9 @@ fn reversed_limits_are_refused() {
     assert_eq!(reversed(0, 150.0, -60.0), setting("sensor_max_c"));
     assert_eq!(reversed(8, 30.0, -30.0), setting("rate_min_c_per_min"));
     assert_eq!(reversed(13, 5.0, -4.0), setting("lag2_min_c"));
-    assert_eq!(reversed(21, 80.0, -40.0), setting("last_edge_c"));
-    assert_eq!(reversed(23, 75.0, -35.0), setting("t_max_c"));
-    assert_eq!(reversed(23, -41.0, 75.0), setting("t_min_c"));
+    assert_eq!(reversed(23, 80.0, -40.0), setting("last_edge_c"));
+    assert_eq!(reversed(25, 75.0, -35.0), setting("t_max_c"));
+    assert_eq!(reversed(25, -41.0, 75.0), setting("t_min_c"));
 }
 
 #[test]
@@ -172,14 +172,14 @@ fn jumps_are_looked_for_at_every_limit() {
 /// What does not agree within itself is refused before contents are looked at.
 #[test]
 fn inconsistent_fields_are_refused_on_reading() {
-    let (cells, axis) = (HEADER_LEN + 104, HEADER_LEN + CHANNEL_LEN);
+    let (cells, axis) = (HEADER_LEN + 112, HEADER_LEN + CHANNEL_LEN);
     for (at, with, name) in [
-        (12, &275_u32.to_le_bytes()[..], "cells"),
-        (12, &280_u32.to_le_bytes(), "total_len"),
+        (12, &283_u32.to_le_bytes()[..], "cells"),
+        (12, &288_u32.to_le_bytes(), "total_len"),
         (12, &4097_u32.to_le_bytes(), "total_len"),
         (16, &84_u16.to_le_bytes(), "header_len"),
         (16, &76_u16.to_le_bytes(), "header_len"),
-        (18, &112_u16.to_le_bytes(), "channel_len"),
+        (18, &120_u16.to_le_bytes(), "channel_len"),
         (18, &0_u16.to_le_bytes(), "channel_len"),
         (20, &32_u16.to_le_bytes(), "axis_len"),
         (20, &0_u16.to_le_bytes(), "axis_len"),

@@ -17,7 +17,7 @@ fn two_versions() -> Small {
     with_two_versions::<8, 512>(4, 10)
 }
 
-const IMAGE_LEN: u32 = 220 + 10 * 28;
+const IMAGE_LEN: u32 = 228 + 10 * 28;
 
 #[test]
 fn the_latest_table_is_in_use_and_the_other_on_standby() {
@@ -382,7 +382,7 @@ fn the_periodic_check_follows_the_blocks_of_a_long_image() {
     store.boot(&mut flash, &mut buffer.0, accept);
     let bytes = image(250, 1);
     let len = bytes.len() as u32;
-    assert_eq!(len, 80 + 108 + 28 + 7000 + 8);
+    assert_eq!(len, 80 + 116 + 28 + 7000 + 8);
     store.begin(&mut flash, len).unwrap();
     let mut offset = 0;
     for chunk in bytes.chunks(1000) {
@@ -394,9 +394,9 @@ fn the_periodic_check_follows_the_blocks_of_a_long_image() {
         .unwrap();
     assert_eq!(store.check(&mut flash, 1000), Checked::Good(Slot::A));
     assert_eq!(store.check(&mut flash, 1000), Checked::Passed(Slot::B));
-    for byte in [0, 4091, 4092, 7215, 7216, 7223] {
+    for byte in [0, 4091, 4092, 7223, 7224, 7231] {
         flash.flip(8 * byte);
-        let block = usize::from(byte > 4091 && !(7216..7220).contains(&byte));
+        let block = usize::from(byte > 4091 && !(7224..7228).contains(&byte));
         let bad = StoreError::Image(ImageError::Crc { block });
         assert_eq!(store.check(&mut flash, 1000), Checked::Bad(Slot::A, bad));
         store.check(&mut flash, 1000);

@@ -7,7 +7,7 @@ use tempco::{PLAYS, Schedule, Stream, Table, Terms, Thermal, ThermalSettings};
 use tempco_image::CRC;
 
 /// CRC-32P4 of the outcomes, as every host and target finds it.
-const ANSWER: u32 = 0x0e17af10;
+const ANSWER: u32 = 0x43958cab;
 
 /// A second lag, both plays and their start after power-on.
 const SETTINGS: ThermalSettings = ThermalSettings {

@@ -7,7 +7,7 @@ use tempco_image::{AlignedBytes, Axis, BLOCK_LEN, CRC, Channel, Info, Unit, cont
 pub(crate) type Bytes = AlignedBytes<512>;
 
 pub(crate) const HEADER_LEN: usize = 80;
-pub(crate) const CHANNEL_LEN: usize = 108;
+pub(crate) const CHANNEL_LEN: usize = 116;
 pub(crate) const AXIS_LEN: usize = 28;
 /// Where the cells of the example begin.
 pub(crate) const CELLS_AT: usize = HEADER_LEN + CHANNEL_LEN + AXIS_LEN;

@@ -121,7 +121,7 @@ fn write(image: &mut Buffer) -> Result<usize, ImageError> {
         continuous: true,
         security_counter: 1,
         key_id: 2,
-        signature: &[3; 64],
+        signature: &[3; 48],
     };
     encode(&black_box(info), &[black_box(channel)], &mut image.0)
 }
