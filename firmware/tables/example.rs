@@ -229,8 +229,10 @@ pub static TABLES: [tempco::Table<'static, AXES>; CHANNELS] = [
             half_width2_c: 0.0,
             play_kappa: 0.0,
             play_kappa2: 0.0,
-            play_start_min: 0.0,
             least_divisor: 0.0,
+            rate_start: 0.0,
+            lag2_start_min: 0.0,
+            play_start_min: 0.0,
         }) { Ok(checked) => checked, Err(error) => panic!("{}", error.message()) };
         const WHOLE: tempco::Table<'static, AXES> = match tempco::Table::new(THERMAL, -15.0, 80.0, &CELLS_0) { Ok(checked) => checked, Err(error) => panic!("{}", error.message()) };
         const CALIBRATED: tempco::Table<'static, AXES> = match WHOLE.calibrated(-15.0, 80.0) { Ok(checked) => checked, Err(error) => panic!("{}", error.message()) };

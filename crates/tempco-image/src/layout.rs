@@ -99,11 +99,11 @@ pub(crate) const AXIS_LEN: usize = size_of::<RawAxis>();
 pub(crate) const TERMS_LEN: usize = size_of::<Terms>();
 
 const _: () = {
-    assert!(HEADER_LEN == 80 && HEADER_CRC_AT == 76 && CHANNEL_LEN == 108 && AXIS_LEN == 28);
+    assert!(HEADER_LEN == 80 && HEADER_CRC_AT == 76 && CHANNEL_LEN == 116 && AXIS_LEN == 28);
     assert!(TERMS_LEN == 4 * Terms::COUNT && TERMS_LEN == 28);
     assert!(offset_of!(RawHeader, total_len) == 12 && offset_of!(RawHeader, model) == 24);
     assert!(offset_of!(RawHeader, flags) == 32 && offset_of!(RawHeader, serial) == 44);
-    assert!(offset_of!(RawChannel, period_s) == 100 && offset_of!(RawChannel, cells) == 104);
+    assert!(offset_of!(RawChannel, period_s) == 108 && offset_of!(RawChannel, cells) == 112);
     assert!(offset_of!(RawAxis, rezero_limit) == 16 && offset_of!(RawAxis, play_gains) == 20);
     assert!(max_cells(3) == 292 && max_cells(MAX_AXES) == 146);
 };

@@ -37,6 +37,12 @@ impl Filter {
         self.remainder = increment - (self.value - value);
         lag
     }
+
+    /// Where it holds, goes on from another value.
+    #[inline(always)]
+    pub(crate) fn put(&mut self, holds: Sign, value: f32) {
+        self.value = holds.select(value, self.value);
+    }
 }
 
 /// First-order rate estimator: the lag of a filtered temperature behind the temperature.
@@ -104,6 +110,14 @@ impl RateEstimator {
         // positive numbers.
         self.gain = at_least(self.gain * (2.0 - memory * self.gain), 1.0);
         lag_c * interval.rate_gain_per_min * self.gain
+    }
+
+    /// Where it holds, takes the ramp for one that has lasted for long at this rate \[degC/min\].
+    #[inline(always)]
+    pub(crate) fn put(&mut self, holds: Sign, thermal: &Thermal, temp_c: f32, rate_c_per_min: f32) {
+        let lag_c = thermal.tau_min * rate_c_per_min;
+        self.filtered.put(holds, temp_c - lag_c);
+        self.memory.put(holds, 1.0);
     }
 
     /// What is left out of a full memory halves again and again. Below this it never counts: the sum

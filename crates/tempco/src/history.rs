@@ -100,15 +100,25 @@ impl SecondLagState {
     }
 
     /// The second lag, without limits \[degC\].
+    ///
+    /// If it `starts`, it is put at `start_c`.
     #[inline(always)]
-    pub(crate) fn update(&mut self, interval: &Interval, conditioned: &Conditioned) -> f32 {
+    pub(crate) fn update(
+        &mut self,
+        interval: &Interval,
+        conditioned: &Conditioned,
+        starts: Sign,
+        start_c: f32,
+    ) -> f32 {
         let way_c = conditioned.temp_c - self.temp_c;
         let slew = conditioned.first.select(ANY, interval.slew);
         let temp_c = self.temp_c + limit(way_c, slew);
         self.temp_c = conditioned.lost.select(self.temp_c, temp_c);
         let alpha2 = conditioned.lost.select(0.0, interval.alpha2);
         let alpha2 = conditioned.first.select(1.0, alpha2);
-        self.lag.follow(alpha2, self.temp_c)
+        let lag_c = self.lag.follow(alpha2, self.temp_c);
+        self.lag.filtered.put(starts, self.temp_c - start_c);
+        starts.select(start_c, lag_c)
     }
 }
 
@@ -119,8 +129,6 @@ pub(crate) struct PlayState {
     /// The temperature that drags the plays, `v` \[degC\].
     drag_c: f32,
     plays: [Play; PLAYS],
-    /// Time until the plays are put where the rate says they are, below zero \[ticks\].
-    starting: i32,
     /// Time since the temperature was last lost \[ticks\], and the lowest and highest `v` since
     /// then and since it and the rate had settled again.
     since_loss: i32,
@@ -130,25 +138,19 @@ pub(crate) struct PlayState {
 
 impl PlayState {
     /// Plays that add nothing. What was before power-on is not known and not asked for.
-    pub(crate) const fn new(thermal: &Thermal, temp_c: f32) -> Self {
+    pub(crate) const fn new(temp_c: f32) -> Self {
         Self {
             drag_c: temp_c,
             plays: [Play::new(temp_c); PLAYS],
-            starting: thermal.play_start,
             since_loss: i32::MAX,
             low_c: f32::MIN,
             high_c: f32::MAX,
         }
     }
 
-    /// The plays are still to be put where the rate says they are.
-    #[inline(always)]
-    pub(crate) fn is_starting(&self) -> Sign {
-        Sign(self.starting)
-    }
-
-    /// Takes where `v` is to go \[degC\] and the rate \[degC/min\]; returns what each play is
-    /// behind \[degC\], and whether some of that follows from a past that is not known.
+    /// Takes where `v` is to go \[degC\], whether the plays are put and how far the contacts are then
+    /// to be behind, within the half widths \[degC\]. Returns what each play is behind \[degC\],
+    /// and whether some of that follows from a past that is not known.
     #[inline(always)]
     pub(crate) fn update(
         &mut self,
@@ -156,26 +158,22 @@ impl PlayState {
         interval: &Interval,
         conditioned: &Conditioned,
         target_c: f32,
-        rate_c_per_min: f32,
+        starts: Sign,
+        start_c: f32,
     ) -> ([f32; PLAYS], Sign) {
-        let slew = conditioned.first.select(ANY, interval.slew);
+        let starts = starts | conditioned.first;
+        let slew = starts.select(ANY, interval.slew);
         let way_c = target_c - self.drag_c;
         let catching_up = Sign::above(magnitude(way_c), slew);
         let moved_c = self.drag_c + limit(way_c, slew);
         self.drag_c = conditioned.lost.select(self.drag_c, moved_c);
         let drag_c = self.drag_c;
 
-        // A unit that is switched on in a ramp has been in it: its plays are at their ends.
-        let starting = self.starting.saturating_add(interval.ticks);
-        let starts = Sign(self.starting) & !Sign(starting) & !conditioned.lost;
-        self.starting = starting;
-        let start_c = thermal.settings.play_start_min * rate_c_per_min;
         let plays = self.plays.iter_mut().zip(thermal.half_widths);
         let mut plays_c = [0.0; PLAYS];
         for (play_c, (play, half_width)) in plays_c.iter_mut().zip(plays) {
             let contact_c = drag_c - limit(start_c, half_width);
-            let start_here = starts | conditioned.first;
-            play.contact_c = start_here.select(contact_c, play.contact_c);
+            play.contact_c = starts.select(contact_c, play.contact_c);
             *play_c = play.follow(f32::from_bits(half_width as u32), drag_c);
         }
 

@@ -62,12 +62,17 @@ pub struct ThermalSettings {
     pub play_kappa: f32,
     /// As `kappa2`, of the temperature that drags the plays, -2 to 2.
     pub play_kappa2: f32,
-    /// Where a play is put 120 s after power-on, per rate of temperature, -1000 to 1000
-    /// \[degC per degC/min\], within its half width; 0 leaves it where it is.
-    pub play_start_min: f32,
     /// The least number that the rate is divided by after power-on, 0 to 1, where `60 s / tau_s`
     /// is less; 0 is no limit.
     pub least_divisor: f32,
+    /// Of a ramp that lasts since before power-on: how many times as large as it is 120 s after
+    /// power-on the rate is put then, 0 to 100. 0 puts nothing, neither second lag nor plays.
+    pub rate_start: f32,
+    /// Where the second lag is put then, per rate, -1000 to 1000 \[degC per degC/min\].
+    pub lag2_start_min: f32,
+    /// Where a play is put then, per rate, -1000 to 1000 \[degC per degC/min\], within its half
+    /// width.
+    pub play_start_min: f32,
 }
 
 impl ThermalSettings {
@@ -93,8 +98,10 @@ impl ThermalSettings {
         half_width2_c: 0.0,
         play_kappa: 0.0,
         play_kappa2: 0.0,
-        play_start_min: 0.0,
         least_divisor: 0.0,
+        rate_start: 0.0,
+        lag2_start_min: 0.0,
+        play_start_min: 0.0,
     };
 
     /// Whether there is a second lag.
@@ -144,8 +151,10 @@ in_order! {
     half_width2_c,
     play_kappa,
     play_kappa2,
-    play_start_min,
     least_divisor,
+    rate_start,
+    lag2_start_min,
+    play_start_min,
 }
 
 /// Resolution of the core's timers: 10 us, and 5.9 h at most. Integers, because a sum of many
@@ -158,8 +167,8 @@ const LONGEST_TIMER_S: f32 = 2e4;
 /// A rate since the start is not trusted with less than this \[s\].
 const LEAST_MEMORY_S: f32 = 60.0;
 
-/// When the plays are put where the rate says they are, after power-on \[s\].
-const PLAY_START_S: f32 = 120.0;
+/// When rate, second lag and plays are put where a lasting ramp has them, after power-on \[s\].
+const START_S: f32 = 120.0;
 
 const fn ticks(time_s: f32) -> i32 {
     (time_s * TICKS_PER_S + 0.5) as i32
@@ -183,6 +192,7 @@ pub struct Thermal {
     pub(crate) settling: i32,
     pub(crate) slew_c_per_tick: f32,
     pub(crate) per_tau_hz: f32,
+    pub(crate) tau_min: f32,
     /// Shift of the lag-compensated temperature per rate, `kappa tau` \[min\].
     pub(crate) shift_min: f32,
     /// The least share of the estimator's memory that it divides by: `60 s / tau` or the limit of
@@ -193,9 +203,8 @@ pub struct Thermal {
     pub(crate) play_shift_min: f32,
     /// Half widths of the plays \[bits of degC\].
     pub(crate) half_widths: [i32; PLAYS],
-    /// Where the time to the start of the plays begins, below zero; 0 where it is not waited for
-    /// \[ticks\].
-    pub(crate) play_start: i32,
+    /// Where the time to the start begins, below zero; 0 where it is not waited for \[ticks\].
+    pub(crate) start: i32,
     /// After a loss of the temperature the history counts as known when this much time has
     /// passed \[ticks\] and the temperature has moved this far \[degC\].
     pub(crate) known_ticks: i32,
@@ -237,8 +246,10 @@ impl Thermal {
         check!(half_width2_c, 0.0, 1e3);
         check!(play_kappa, -2.0, 2.0);
         check!(play_kappa2, -2.0, 2.0);
-        check!(play_start_min, -1e3, 1e3);
         check!(least_divisor, 0.0, 1.0);
+        check!(rate_start, 0.0, 1e2);
+        check!(lag2_start_min, -1e3, 1e3);
+        check!(play_start_min, -1e3, 1e3);
         let has_lag2 = s.has_lag2();
         let least_memory = LEAST_MEMORY_S / s.tau_s;
         let least_memory = if least_memory > s.least_divisor {
@@ -258,6 +269,7 @@ impl Thermal {
             restart_ticks: ticks(0.5 * s.tau_s),
             slew_c_per_tick: s.max_slew_c_per_min / (60.0 * TICKS_PER_S),
             per_tau_hz: 1.0 / s.tau_s,
+            tau_min: s.tau_s / 60.0,
             shift_min: s.kappa * s.tau_s / 60.0,
             least_memory: if least_memory < 1.0 {
                 least_memory
@@ -267,10 +279,10 @@ impl Thermal {
             per_tau2_hz: 1.0 / s.tau2_s,
             play_shift_min: s.play_kappa * s.tau_s / 60.0,
             half_widths: [magnitude(s.half_width1_c), magnitude(s.half_width2_c)],
-            play_start: if s.play_start_min == 0.0 {
+            start: if s.rate_start == 0.0 {
                 0
             } else {
-                ticks(PLAY_START_S).wrapping_neg()
+                ticks(START_S).wrapping_neg()
             },
             known_ticks: match has_lag2 {
                 true if 3.0 * s.tau2_s < LONGEST_TIMER_S => ticks(3.0 * s.tau2_s),
@@ -342,8 +354,10 @@ mod tests {
             half_width2_c: -0.1, 1001.0;
             play_kappa: -2.1, 2.1;
             play_kappa2: -2.1, 2.1;
-            play_start_min: -1001.0, 1001.0;
             least_divisor: -0.1, 1.1;
+            rate_start: -0.1, 101.0;
+            lag2_start_min: -1001.0, 1001.0;
+            play_start_min: -1001.0, 1001.0;
         }
     }
 }

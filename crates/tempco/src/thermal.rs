@@ -35,6 +35,8 @@ pub struct ThermalState {
     estimator: RateEstimator,
     second: SecondLagState,
     plays: PlayState,
+    /// Time until rate, second lag and plays are put, below zero \[ticks\].
+    starting: i32,
     effective_c: f32,
     /// What rate and history count for, 0 to 1: nothing while the temperature is lost.
     weight: f32,
@@ -56,7 +58,8 @@ impl ThermalState {
             conditioner: Conditioner::new(temp_c),
             estimator: RateEstimator::new(thermal, temp_c),
             second: SecondLagState::new(temp_c),
-            plays: PlayState::new(thermal, temp_c),
+            plays: PlayState::new(temp_c),
+            starting: thermal.start,
             effective_c: temp_c,
             weight: 1.0,
         }
@@ -105,14 +108,24 @@ impl ThermalState {
             conditioned.change_c,
             conditioned.moved,
         );
-        let (rate, rate_clamped) = clamp(
-            rate,
-            settings.rate_min_c_per_min,
-            settings.rate_max_c_per_min,
-            Status::RATE_CLAMPED,
-        );
+        let in_range = |rate| {
+            let (min, max) = (settings.rate_min_c_per_min, settings.rate_max_c_per_min);
+            clamp(rate, min, max, Status::RATE_CLAMPED)
+        };
+        let (rate, rate_clamped) = in_range(rate);
+
+        // A unit that is switched on in a ramp has been in it.
+        let starting = self.starting.saturating_add(interval.ticks);
+        let starts = Sign(self.starting) & !Sign(starting) & !conditioned.lost;
+        self.starting = starting;
+        let (start_rate, _) = in_range(settings.rate_start * rate);
+        let rate = starts.select(start_rate, rate);
+        self.estimator
+            .put(starts, thermal, conditioned.temp_c, rate);
+
+        let start_c = settings.lag2_start_min * rate;
         let (lag2_c, lag2_clamped) = clamp(
-            self.second.update(interval, &conditioned),
+            self.second.update(interval, &conditioned, starts, start_c),
             settings.lag2_min_c,
             settings.lag2_max_c,
             thermal.lag2_flag,
@@ -131,11 +144,12 @@ impl ThermalState {
         self.effective_c += limit(way_c, interval.slew);
 
         let drag_c = temp_c - thermal.play_shift_min * rate - settings.play_kappa2 * lag2_c;
-        let (plays_c, unknown) = self
-            .plays
-            .update(thermal, interval, &conditioned, drag_c, rate);
+        let start_c = settings.play_start_min * rate;
+        let (plays_c, unknown) =
+            self.plays
+                .update(thermal, interval, &conditioned, drag_c, starts, start_c);
 
-        let settling = conditioned.settling | ramping | fading | self.plays.is_starting();
+        let settling = conditioned.settling | ramping | fading | Sign(self.starting);
         ThermalPoint {
             effective_c: self.effective_c,
             rate_c_per_min: rate * self.weight,

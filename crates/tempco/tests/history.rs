@@ -320,6 +320,7 @@ fn plays_are_put_once_two_minutes_after_power_on() {
     for (start_min, rate) in [(2.0_f32, 1.5_f32), (2.0, -1.5), (0.5, 1.5), (-1000.0, 1.5)] {
         for dt_s in [1.0_f32, 0.1, 7.0] {
             let settings = ThermalSettings {
+                rate_start: 1.0,
                 play_start_min: start_min,
                 tau_s: 30.0,
                 ..RICH
@@ -327,7 +328,7 @@ fn plays_are_put_once_two_minutes_after_power_on() {
             let (with, without) = (
                 thermal(settings),
                 thermal(ThermalSettings {
-                    play_start_min: 0.0,
+                    rate_start: 0.0,
                     ..settings
                 }),
             );
@@ -363,17 +364,78 @@ fn plays_are_put_once_two_minutes_after_power_on() {
     }
 }
 
+/// Power-on in the middle of a ramp: two minutes later all is as in a unit that was never off.
+#[test]
+fn a_ramp_that_lasts_is_known_two_minutes_after_power_on() {
+    for (rate, least_divisor) in [(0.3_f32, 1.0_f32), (-0.3, 1.0), (0.3, 0.0)] {
+        let settings = ThermalSettings {
+            tau_s: 600.0,
+            tau2_s: 1800.0,
+            kappa: 1.5,
+            lag2_min_c: -50.0,
+            lag2_max_c: 50.0,
+            play_kappa: -1.5,
+            least_divisor,
+            // With a divisor of 1 the rate has come so far after 120 s.
+            rate_start: match least_divisor {
+                1.0 => 1.0 / -(-0.2_f32).exp_m1(),
+                _ => 1.0,
+            },
+            lag2_start_min: 1800.0 / 60.0,
+            play_start_min: 1000.0,
+            ..RICH
+        };
+        let thermal = thermal(settings);
+        let second = Interval::new(&thermal, 1.0);
+        let temp = |s: usize| 40.0 + rate / 60.0 * (s as f32 - 9000.0);
+        let mut never_off = ThermalState::new(&thermal);
+        never_off.start(&thermal, temp(0));
+        (1..=9000).for_each(|s| {
+            never_off.update(&thermal, &second, temp(s));
+        });
+        let mut switched_on = ThermalState::new(&thermal);
+        switched_on.start(&thermal, temp(9000));
+        for s in 9001..9900 {
+            let expected = never_off.update(&thermal, &second, temp(s));
+            let point = switched_on.update(&thermal, &second, temp(s));
+            let passed_s = s - 9000;
+            assert_eq!(
+                passed_s < 120 && point.status.contains(Status::SETTLING),
+                passed_s < 120
+            );
+            if passed_s < 120 {
+                continue;
+            }
+            let error = (point.rate_c_per_min - expected.rate_c_per_min).abs();
+            assert!(error < 0.003, "{point:?} {expected:?}");
+            assert!(
+                (point.lag2_c - expected.lag2_c).abs() < 0.1,
+                "{point:?} {expected:?}"
+            );
+            for (play_c, expected_c) in point.plays_c.into_iter().zip(expected.plays_c) {
+                assert!((play_c - expected_c).abs() < 1e-3, "{point:?} {expected:?}");
+            }
+            // What the curve is evaluated at gets there no faster than the part can.
+            if passed_s > 150 {
+                assert!((point.effective_c - expected.effective_c).abs() < 0.1);
+            }
+        }
+    }
+}
+
 /// Beside a unit without the rule of the start.
 #[test]
-fn plays_are_not_put_while_the_temperature_is_lost() {
-    let of = |play_start_min| {
+fn nothing_is_put_while_the_temperature_is_lost() {
+    let of = |rate_start| {
         thermal(ThermalSettings {
-            play_start_min,
+            rate_start,
+            play_start_min: 100.0,
+            lag2_start_min: 10.0,
             hold_s: 10.0,
             ..RICH
         })
     };
-    let thermals = [of(100.0), of(0.0)];
+    let thermals = [of(2.0), of(0.0)];
     for (lost, is_put) in [(100..=140, false), (0..=0, true)] {
         let mut states = thermals.each_ref().map(ThermalState::new);
         for (state, thermal) in states.iter_mut().zip(&thermals) {
@@ -391,7 +453,9 @@ fn plays_are_not_put_while_the_temperature_is_lost() {
                 let second = Interval::new(&thermals[of], 1.0);
                 states[of].update(&thermals[of], &second, temp_c)
             });
-            differs |= with.plays_c != without.plays_c;
+            differs |= with.plays_c != without.plays_c
+                || with.lag2_c != without.lag2_c
+                || with.rate_c_per_min != without.rate_c_per_min;
         }
         assert_eq!(differs, is_put);
     }

@@ -71,8 +71,10 @@ fn each_setting_is_accepted_up_to_its_limits_and_not_beyond() {
         half_width2_c: 0.0, 1e3;
         play_kappa: -2.0, 2.0;
         play_kappa2: -2.0, 2.0;
-        play_start_min: -1e3, 1e3;
         least_divisor: 0.0, 1.0;
+        rate_start: 0.0, 1e2;
+        lag2_start_min: -1e3, 1e3;
+        play_start_min: -1e3, 1e3;
     }
     let range = |sensor_min_c, sensor_max_c| {
         let thermal = Thermal::new(ThermalSettings {

@@ -22,8 +22,10 @@ const SETTINGS: ThermalSettings = ThermalSettings {
     half_width2_c: 4.0,
     play_kappa: 0.2,
     play_kappa2: 0.07,
-    play_start_min: 0.1,
     least_divisor: 0.6,
+    rate_start: 1.4,
+    lag2_start_min: 0.3,
+    play_start_min: 0.1,
     ..ThermalSettings::DEFAULT
 };
 

@@ -37,7 +37,7 @@ float fabsf(float);
 #define TICKS_PER_S 1e5f
 #define LONGEST_TIMER_S 2e4f
 #define LONGEST_TIME INT32_MAX
-#define PLAY_START_S 120.0f
+#define START_S 120.0f
 #define LEAST_MEMORY_S 60.0f
 #define FADE_S 60.0f
 #define LEAST_SLEW_C 2e-5f
@@ -47,7 +47,8 @@ float fabsf(float);
 struct settings {
     float sensor_min_c, sensor_max_c, spike_gate_c, max_slew_c_per_min, hold_s, heal_s, tau_s, kappa;
     float rate_min_c_per_min, rate_max_c_per_min, reference_c, tau2_s, kappa2, lag2_min_c, lag2_max_c;
-    float half_width_c[PLAYS], play_kappa, play_kappa2, play_start_min, least_divisor;
+    float half_width_c[PLAYS], play_kappa, play_kappa2;
+    float least_divisor, rate_start, lag2_start_min, play_start_min;
 };
 
 struct terms {
@@ -67,8 +68,8 @@ struct model {
     struct table table;
     float sensor_middle_c, sensor_reach_c;
     int32_t hold_ticks, restart_ticks, heal_ticks, settling_ticks;
-    float slew_c_per_tick, per_tau_hz, per_tau2_hz, shift_min, play_shift_min, least_memory;
-    int32_t play_start_ticks, known_ticks;
+    float slew_c_per_tick, per_tau_hz, per_tau2_hz, tau_min, shift_min, play_shift_min, least_memory;
+    int32_t start_ticks, known_ticks;
     float known_c;
     bool has_lag2;
 };
@@ -112,9 +113,10 @@ struct unit {
     /* History. */
     struct filter filtered2;
     float temp2_c, drag_c, contacts_c[PLAYS];
-    int32_t starting, since_loss;
+    int32_t since_loss;
     float low_c, high_c;
     /* What comes out. */
+    int32_t starting;
     float weight;
     struct point point;
     float end[AXES];
@@ -309,7 +311,8 @@ static float rate(struct unit *u, const struct interval *dt, const struct condit
 }
 
 /* Second lag [degC], without limits. */
-static float lag2(struct unit *u, const struct interval *dt, const struct conditioned *c)
+static float lag2(struct unit *u, const struct interval *dt, const struct conditioned *c, bool starts,
+                  float start_c)
 {
     float alpha2 = dt->alpha2;
     if (c->is_lost) {
@@ -320,32 +323,31 @@ static float lag2(struct unit *u, const struct interval *dt, const struct condit
     } else {
         u->temp2_c += limited(c->temp_c - u->temp2_c, dt->slew_c);
     }
-    return lag(&u->filtered2, alpha2, u->temp2_c) * (1.0f - alpha2);
+    float lag_c = lag(&u->filtered2, alpha2, u->temp2_c) * (1.0f - alpha2);
+    if (!starts)
+        return lag_c;
+    u->filtered2.value = u->temp2_c - start_c;
+    return start_c;
 }
 
 static void plays(struct unit *u, const struct interval *dt, const struct conditioned *c, float target_c,
-                  float rate_c_per_min, float plays_c[PLAYS])
+                  bool starts, float start_c, float plays_c[PLAYS])
 {
     const struct model *m = u->model;
     const struct settings *s = &m->table.settings;
     float way_c = target_c - u->drag_c;
-    bool is_catching_up = !c->is_first && fabsf(way_c) > dt->slew_c;
-    if (c->is_first)
+    starts |= c->is_first;
+    bool is_catching_up = !starts && fabsf(way_c) > dt->slew_c;
+    if (starts)
         u->drag_c += way_c;
     else if (!c->is_lost)
         u->drag_c += limited(way_c, dt->slew_c);
 
-    /* A unit that is switched on in a ramp has been in it. */
-    bool starts = c->is_first;
-    if (u->starting < 0) {
-        u->starting += dt->ticks;
-        starts |= u->starting >= 0 && !c->is_lost;
-    }
     for (int play = 0; play < PLAYS; play++) {
         float half_width_c = s->half_width_c[play];
         float contact_c = u->contacts_c[play];
         if (starts)
-            contact_c = u->drag_c - limited(s->play_start_min * rate_c_per_min, half_width_c);
+            contact_c = u->drag_c - limited(start_c, half_width_c);
         if (contact_c < u->drag_c - half_width_c)
             contact_c = u->drag_c - half_width_c;
         else if (contact_c > u->drag_c + half_width_c)
@@ -395,7 +397,21 @@ static void update(struct unit *u, const struct interval *dt, float temp_c)
     struct conditioned c = condition(u, dt, temp_c);
     uint32_t status = dt->status | c.status;
     float rate_c_per_min = clamped(rate(u, dt, &c), s->rate_min_c_per_min, s->rate_max_c_per_min, RATE_CLAMPED, &status);
-    float lag2_c = clamped(lag2(u, dt, &c), s->lag2_min_c, s->lag2_max_c, m->has_lag2 ? LAG_CLAMPED : 0, &status);
+
+    /* A unit that is switched on in a ramp has been in it. */
+    bool starts = false;
+    if (u->starting < 0) {
+        u->starting += dt->ticks;
+        starts = u->starting >= 0 && !c.is_lost;
+    }
+    if (starts) {
+        uint32_t unused = 0;
+        rate_c_per_min = clamped(s->rate_start * rate_c_per_min, s->rate_min_c_per_min, s->rate_max_c_per_min, 0, &unused);
+        u->filtered.value = c.temp_c - m->tau_min * rate_c_per_min;
+        u->memory.value = 1.0f;
+    }
+    float start2_c = s->lag2_start_min * rate_c_per_min;
+    float lag2_c = clamped(lag2(u, dt, &c, starts, start2_c), s->lag2_min_c, s->lag2_max_c, m->has_lag2 ? LAG_CLAMPED : 0, &status);
 
     /* While the temperature is lost, rate and history fade out. */
     u->weight += limited((c.is_lost ? 0.0f : 1.0f) - u->weight, dt->fade);
@@ -406,7 +422,7 @@ static void update(struct unit *u, const struct interval *dt, float temp_c)
 
     float drag_c = c.temp_c - m->play_shift_min * rate_c_per_min - s->play_kappa2 * lag2_c;
     float plays_c[PLAYS];
-    plays(u, dt, &c, drag_c, rate_c_per_min, plays_c);
+    plays(u, dt, &c, drag_c, starts, s->play_start_min * rate_c_per_min, plays_c);
 
     if (fabsf(way_c) > dt->near_c || u->weight < 1.0f || u->starting < 0)
         status |= SETTLING;
@@ -529,11 +545,12 @@ void FN(model)(struct model *m, const struct table *table)
     m->slew_c_per_tick = s->max_slew_c_per_min / (60.0f * TICKS_PER_S);
     m->per_tau_hz = 1.0f / s->tau_s;
     m->per_tau2_hz = 1.0f / s->tau2_s;
+    m->tau_min = s->tau_s / 60.0f;
     m->shift_min = s->kappa * s->tau_s / 60.0f;
     m->play_shift_min = s->play_kappa * s->tau_s / 60.0f;
     float least = at_least(LEAST_MEMORY_S / s->tau_s, s->least_divisor);
     m->least_memory = least < 1.0f ? least : 1.0f;
-    m->play_start_ticks = s->play_start_min == 0.0f ? 0 : ticks(PLAY_START_S);
+    m->start_ticks = s->rate_start == 0.0f ? 0 : ticks(START_S);
     m->has_lag2 = s->lag2_min_c < 0.0f || s->lag2_max_c > 0.0f;
     float known_s = 3.0f * s->tau2_s < LONGEST_TIMER_S ? 3.0f * s->tau2_s : LONGEST_TIMER_S;
     m->known_ticks = m->has_lag2 ? ticks(known_s) : 0;
@@ -581,7 +598,7 @@ static void at(struct unit *u, float temp_c)
     u->gain = 1.0f / m->least_memory;
     for (int play = 0; play < PLAYS; play++)
         u->contacts_c[play] = temp_c;
-    u->starting = -m->play_start_ticks;
+    u->starting = -m->start_ticks;
     u->since_loss = LONGEST_TIME;
     u->low_c = -FLT_MAX;
     u->high_c = FLT_MAX;

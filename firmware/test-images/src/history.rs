@@ -18,8 +18,10 @@ pub static HISTORY: [Table<'static, AXES>; 1] = [{
         half_width2_c: 6.0,
         play_kappa: 0.25,
         play_kappa2: -0.125,
-        play_start_min: 1.5,
         least_divisor: 0.25,
+        rate_start: 1.75,
+        lag2_start_min: 8.0,
+        play_start_min: 1.5,
         ..*table.thermal().settings()
     };
     let thermal = match Thermal::new(settings) {

@@ -7,6 +7,7 @@
 (define-fun c_1e3 () F32 ((_ to_fp 8 24) RNE 1000.0))
 (define-fun c_1e4 () F32 ((_ to_fp 8 24) RNE 10000.0))
 (define-fun c_milli () F32 ((_ to_fp 8 24) RNE 0.001))
+(define-fun c_100 () F32 ((_ to_fp 8 24) RNE 100.0))
 (define-fun c_200 () F32 ((_ to_fp 8 24) RNE 200.0))
 (define-fun filter_bound () F32 ((_ to_fp 8 24) RNE 137438953472.0))
 (define-fun remainder_bound () F32 ((_ to_fp 8 24) RNE 8192.0))
@@ -52,6 +53,8 @@
     ((_ to_fp 8 24) RNE 0.001667))
   (within |thermal.least_memory| ((_ to_fp 8 24) RNE 0.00999) one)
   (within |thermal.shift_min| zero c_200)
+  (within |thermal.tau_min| zero c_100)
+  (within |thermal.settings.rate_start| zero c_100)
   (ticks_within |thermal.hold_ticks| (_ bv0 32) (_ bv2000000000 32))
   (ticks_within |thermal.healing| (bvneg (_ bv2000000000 32)) (_ bv0 32))
   (ticks_within |thermal.settling| (bvneg (_ bv2000000000 32)) (bvneg (_ bv1 32)))
@@ -65,6 +68,7 @@
   (= |thermal.lag2_flag| (ite has_lag2 (_ bv256 16) (_ bv0 16)))
   (around |thermal.play_shift_min| c_200)
   (around |thermal.settings.play_kappa2| two)
+  (around |thermal.settings.lag2_start_min| c_1e3)
   (around |thermal.settings.play_start_min| c_1e3)
   (bvsle (_ bv0 32) |thermal.half_widths.0|)
   (bvsle (_ bv0 32) |thermal.half_widths.1|)
@@ -146,6 +150,9 @@
 (define-fun first () Bool (and was_none accepted))
 (define-fun lost () Bool (bvsgt |state'.conditioner.age| |thermal.hold_ticks|))
 (define-fun unseen () Bool (bvsgt spec_age |thermal.hold_ticks|))
+; The update in which rate, second lag and plays are put.
+(define-fun starts () Bool
+  (and (holds |state.starting|) (not (holds |state'.starting|)) (not lost)))
 ; A reading that is not accepted is gone on with only once the temperature is lost.
 (define-fun taken () Bool (and in_range (or plausible lost)))
 (define-fun anchor_slew_c () F32 (ite (fp.gt reach_c slew_c) reach_c slew_c))
@@ -169,17 +176,22 @@
     |state.estimator.memory.remainder|))
 (define-fun memory_increment () F32
   (fp.add RNE |state.estimator.memory.remainder| (fp.mul RNE |interval.alpha| memory_lag)))
+(define-fun memory () F32 (fp.add RNE |state.estimator.memory.value| memory_increment))
 (define-fun shared () F32
-  (ite (fp.gt |state'.estimator.memory.value| |thermal.least_memory|)
-    |state'.estimator.memory.value| |thermal.least_memory|))
+  (ite (fp.gt memory |thermal.least_memory|) memory |thermal.least_memory|))
 ; One step of Newton's method for its reciprocal.
 (define-fun newton () F32
   (fp.mul RNE |state.estimator.gain|
     (fp.sub RNE two (fp.mul RNE |state.estimator.gain| shared))))
 (define-fun spec_rate () F32
   (fp.mul RNE (fp.mul RNE lag_c |interval.rate_gain_per_min|) |state'.estimator.gain|))
-(define-fun rate () F32
-  (clamped spec_rate |thermal.settings.rate_min_c_per_min| |thermal.settings.rate_max_c_per_min|))
+(define-fun in_limits ((rate F32)) F32
+  (clamped rate |thermal.settings.rate_min_c_per_min| |thermal.settings.rate_max_c_per_min|))
+(define-fun found_rate () F32 (in_limits spec_rate))
+(define-fun put_rate () F32 (fp.mul RNE |thermal.settings.rate_start| found_rate))
+(define-fun rate () F32 (ite starts (in_limits put_rate) found_rate))
+(define-fun put_filtered () F32
+  (fp.sub RNE |state'.conditioner.temp_c| (fp.mul RNE |thermal.tau_min| rate)))
 ; The second lag.
 (define-fun way2_c () F32 (fp.sub RNE |state'.conditioner.temp_c| |state.second.temp_c|))
 (define-fun slew2_c () F32 (ite first any_c slew_c))
@@ -189,7 +201,10 @@
     |state.second.lag.filtered.remainder|))
 (define-fun increment2 () F32
   (fp.add RNE |state.second.lag.filtered.remainder| (fp.mul RNE alpha2 lag2_c)))
-(define-fun spec_lag2 () F32 (fp.mul RNE (fp.sub RNE one alpha2) lag2_c))
+(define-fun start2_c () F32 (fp.mul RNE |thermal.settings.lag2_start_min| rate))
+(define-fun put_filtered2 () F32 (fp.sub RNE |state'.second.temp_c| start2_c))
+(define-fun spec_lag2 () F32
+  (ite starts start2_c (fp.mul RNE (fp.sub RNE one alpha2) lag2_c)))
 (define-fun lag2 () F32
   (clamped spec_lag2 |thermal.settings.lag2_min_c| |thermal.settings.lag2_max_c|))
 ; Where the lag-compensated temperature goes, and what drags the plays.
@@ -205,8 +220,7 @@
 (define-fun drag_way_c () F32 (fp.sub RNE drag_target_c |state.plays.drag_c|))
 ; The plays.
 (define-fun start_c () F32 (fp.mul RNE rate |thermal.settings.play_start_min|))
-(define-fun starts () Bool
-  (and (holds |state.plays.starting|) (not (holds |state'.plays.starting|)) (not lost)))
+(define-fun slew_play_c () F32 (ite (or starts first) any_c slew_c))
 (define-fun least_c ((width_c F32)) F32 (fp.sub RNE |state'.plays.drag_c| width_c))
 (define-fun most_c ((width_c F32)) F32 (fp.add RNE |state'.plays.drag_c| width_c))
 (define-fun contact ((contact_c F32) (width_c F32)) F32
@@ -219,7 +233,7 @@
 ; How far the past is known.
 (define-fun early ((since (_ BitVec 32))) Bool (bvslt since (bvneg |thermal.settling|)))
 (define-fun waits () Bool
-  (and (early |state.plays.since_loss|) (not (fp.leq (fp.abs drag_way_c) slew2_c))))
+  (and (early |state.plays.since_loss|) (not (fp.leq (fp.abs drag_way_c) slew_play_c))))
 (define-fun target_weight () F32 (ite lost zero one))
 (define-fun weight_way () F32 (fp.sub RNE target_weight |state.weight|))
 
@@ -285,13 +299,11 @@
 ;@ claim flag_interval abstract: INTERVAL_INVALID follows the interval, and no flag without a meaning is ever set
 (= (bvand |status'.value| (bvnot (_ bv1871 16))) |interval.status|)
 
-;@ claim memory_equation abstract: the share of the memory follows the equations of the filter, for a step to 1
+;@ claim memory_equation abstract: the share of the memory follows the equations of the filter, for a step to 1; at the start it is 1
 (and
-  (same |state'.estimator.memory.value|
-    (fp.add RNE |state.estimator.memory.value| memory_increment))
+  (same |state'.estimator.memory.value| (ite starts one memory))
   (same |state'.estimator.memory.remainder|
-    (fp.sub RNE memory_increment
-      (fp.sub RNE |state'.estimator.memory.value| |state.estimator.memory.value|))))
+    (fp.sub RNE memory_increment (fp.sub RNE memory |state.estimator.memory.value|))))
 
 ;@ claim gain_equation abstract: a step of Newton's method, and at least 1
 (= |state'.estimator.gain| (ite (fp.gt newton one) newton one))
@@ -303,11 +315,11 @@
 ;@ claim kept_gain alone by gain_equation: the invariant of the gain is kept
 (within |state'.estimator.gain| one gain_most)
 
-;@ claim filter_equation abstract by far,near,change: the filtered temperature and its remainder follow the documented equations
+;@ claim filter_equation abstract by far,near,change: the filtered temperature and its remainder follow the documented equations; at the start it is put where a lasting ramp has it
 (and
-  (same |state'.estimator.filtered.value| (fp.add RNE filtered increment))
+  (same |state'.estimator.filtered.value| (ite starts put_filtered (fp.add RNE filtered increment)))
   (same |state'.estimator.filtered.remainder|
-    (fp.sub RNE increment (fp.sub RNE |state'.estimator.filtered.value| filtered))))
+    (fp.sub RNE increment (fp.sub RNE (fp.add RNE filtered increment) filtered))))
 
 ;@ claim kept: the invariant of temperature and times is kept
 (and (around |state'.conditioner.temp_c| temp_bound)
@@ -334,7 +346,13 @@
    (or (fp.lt spec_rate |thermal.settings.rate_min_c_per_min|)
        (fp.gt spec_rate |thermal.settings.rate_max_c_per_min|)))
 
-;@ claim rate_range free spec_rate by rate: the rate is the nearest in range
+;@ claim found_range free spec_rate by rate: the rate that is found is the nearest in range
+(within found_rate |thermal.settings.rate_min_c_per_min| |thermal.settings.rate_max_c_per_min|)
+
+;@ claim put_rate free found_rate by found_range: the one of a lasting ramp is a number before it is limited
+(finite put_rate)
+
+;@ claim rate_range free found_rate,put_rate by found_range,put_rate: the rate, put at the start, is the nearest in range
 (within rate |thermal.settings.rate_min_c_per_min| |thermal.settings.rate_max_c_per_min|)
 
 ;@ claim way2 alone by kept: the way of what the second lag follows is a number
@@ -348,18 +366,20 @@
 ;@ claim kept_second free lost,first by kept,second: its invariant is kept
 (around |state'.second.temp_c| temp_bound)
 
-;@ claim second_equation abstract by far,near,change: its filter follows the documented equations, with a share of 0 while lost and of 1 at the first temperature of all
+;@ claim second_equation abstract by far,near,change: its filter follows the documented equations, with a share of 0 while lost and of 1 at the first temperature of all; at the start it is put where a lasting ramp has it
+(let ((filtered2 (fp.add RNE |state.second.lag.filtered.value| increment2)))
 (and
-  (same |state'.second.lag.filtered.value|
-    (fp.add RNE |state.second.lag.filtered.value| increment2))
+  (same |state'.second.lag.filtered.value| (ite starts put_filtered2 filtered2))
   (same |state'.second.lag.filtered.remainder|
-    (fp.sub RNE increment2
-      (fp.sub RNE |state'.second.lag.filtered.value| |state.second.lag.filtered.value|))))
+    (fp.sub RNE increment2 (fp.sub RNE filtered2 |state.second.lag.filtered.value|)))))
 
 ;@ claim alpha2 free first,lost: its share is within 0 to 1
 (within alpha2 zero one)
 
-;@ claim lag2 free alpha2 by kept_second,alpha2: the second lag is a number before it is limited
+;@ claim start2 free rate by rate_range: where the second lag starts is a number
+(around start2_c ((_ to_fp 8 24) RNE 10000000.0))
+
+;@ claim lag2 free alpha2,start2_c by kept_second,alpha2,start2: the second lag is a number before it is limited
 (and (around lag2_c increment_bound) (finite spec_lag2))
 
 ;@ claim flag_lag abstract by far,near,change,lag2: LAG_CLAMPED if and only if there is a second lag and it left its range
@@ -392,15 +412,15 @@
 ;@ claim kept_effective free target_c by target,slew: the invariant of the lag-compensated temperature is kept
 (around |state'.effective_c| moving_bound)
 
-;@ claim starting abstract: the time to the start of the plays runs on
-(= |state'.plays.starting| (sum |state.plays.starting| |interval.ticks|))
+;@ claim starting abstract: the time to the start runs on
+(= |state'.starting| (sum |state.starting| |interval.ticks|))
 
-;@ claim flag_settling abstract by far,near,change,way: SETTLING if and only if settling, further from the target than the gate and the slew, of less than full weight, or before the start of the plays
+;@ claim flag_settling abstract by far,near,change,way: SETTLING if and only if settling, further from the target than the gate and the slew, of less than full weight, or before the start
 (= (flag |status'.value| (_ bv8 16))
    (or (holds |state'.conditioner.settled|)
        (not (fp.leq (fp.abs way_c) near_c))
        (fp.lt (fp.abs |state'.weight|) one)
-       (holds |state'.plays.starting|)))
+       (holds |state'.starting|)))
 
 ;@ claim drag_target free rate,lag2 by kept,rate_range,lag2_range: where what drags the plays is to go is within the bound
 (around drag_target_c moving_bound)
@@ -408,10 +428,10 @@
 ;@ claim drag_way free drag_target_c by drag_target: its way there is a number
 (finite drag_way_c)
 
-;@ claim drag abstract by far,near,change,drag_way: it moves no further than the slew, but to the first temperature of all at once, and stands still while lost
+;@ claim drag abstract by far,near,change,drag_way: it moves no further than the slew, but at the start and to the first temperature of all at once, and stands still while lost
 (same |state'.plays.drag_c|
   (ite lost |state.plays.drag_c|
-    (fp.add RNE |state.plays.drag_c| (limited drag_way_c slew2_c))))
+    (fp.add RNE |state.plays.drag_c| (limited drag_way_c slew_play_c))))
 
 ;@ claim kept_drag free drag_target_c,lost,first by drag_target,drag: its invariant is kept
 (around |state'.plays.drag_c| moving_bound)
@@ -517,13 +537,13 @@
 (=> (and (= |state'.conditioner.rejected| |state.conditioner.rejected|) (not was_lost))
   (and in_range reachable (fp.leq (fp.abs change_c) far_c)))
 
-;@ claim kept_filtered free filtered by filter_equation,kept,shifted: the invariant of the filtered temperature is kept
+;@ claim kept_filtered free filtered,rate by filter_equation,kept,shifted,rate_range: the invariant of the filtered temperature is kept
 (around |state'.estimator.filtered.value| filter_bound)
 
 ;@ claim kept_remainder slow free filtered by filter_equation,kept,shifted: the invariant of its remainder is kept
 (around |state'.estimator.filtered.remainder| remainder_bound)
 
-;@ claim kept_lag free alpha2 by second_equation,kept_second,alpha2: the invariant of the filter of the second lag is kept
+;@ claim kept_lag free alpha2,start2_c by second_equation,kept_second,alpha2,start2: the invariant of the filter of the second lag is kept
 (around |state'.second.lag.filtered.value| filter_bound)
 
 ;@ claim kept_lag_remainder slow free alpha2 by second_equation,kept_second,alpha2: the invariant of its remainder is kept

@@ -28,8 +28,10 @@ pub(crate) const THERMAL: ThermalSettings = ThermalSettings {
     half_width2_c: 8.0,
     play_kappa: 0.375,
     play_kappa2: 0.5,
-    play_start_min: 3.0,
     least_divisor: 0.75,
+    rate_start: 2.5,
+    lag2_start_min: -6.0,
+    play_start_min: 3.0,
     ..ThermalSettings::DEFAULT
 };
 

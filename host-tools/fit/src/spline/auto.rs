@@ -13,10 +13,10 @@ use crate::method::{LagSearch, Method, SegmentModel};
 use crate::spline::folds::Folds;
 use crate::spline::held_out::{HeldOut, SegmentRegressors};
 use crate::spline::lags::{Form, HALF_WIDTHS_C, Lags, whole_hats};
-use crate::spline::play_start::play_start_min;
 use crate::spline::regressors::Paths;
 use crate::spline::search::Problem;
 use crate::spline::sensor_noise::sensor_noise;
+use crate::spline::start::Start;
 use crate::spline::{drift, fit};
 use crate::summary::ChannelData;
 
@@ -103,10 +103,8 @@ impl Question<'_> {
         };
         let lags = found.lags;
         let points = paths.points(&form, &lags).map_err(FitError::Settings)?;
-        let thermal = ThermalSettings {
-            play_start_min: play_start_min(&points),
-            ..form.settings(&lags, self.settings)
-        };
+        let start = Start::new(&blocks.blocks, &blocks.temp_c, &points, &lags);
+        let thermal = start.settings(form.settings(&lags, self.settings));
         let spread = problem.spread(&found).map_err(FitError::Settings)?;
         let (fit, deployed) = fit::fit((data, blocks, &sensor), thermal, &form, (found, &spread))?;
         let Some(held_out) = deployed.held_out(blocks, folds) else {

@@ -9,7 +9,7 @@ use crate::spline::folds::Folds;
 use crate::spline::held_out::HeldOut;
 use crate::spline::ridges::of_basis;
 use crate::spline::sensor_noise::SensorNoise;
-use crate::spline::tuning::{AxisPriors, Trial, tuned_axis};
+use crate::spline::tuning::{AxisPriors, Trial, tuned_axis, with_possible_drift};
 use crate::spline::whitening::Whitening;
 
 /// The coefficients of an axis, how well they are known, and the noise that remains.
@@ -174,17 +174,19 @@ fn solve(
     for (column, used) in used.iter_mut().enumerate() {
         *used |= !held[column] || column < trial.basis.static_columns();
     }
+    // Errors are to allow for a drift that coefficients must not follow.
+    let (noise, known) = with_possible_drift(blocks, trial, axis, &priors)?;
     let mut solution = AxisSolution {
         coefficients: Vec::new(),
         covariance: DMatrix::zeros(columns, columns),
-        white: posterior.variance,
-        walk: posterior.variance * priors.noise.walk_per_s,
+        white: known.variance,
+        walk: known.variance * noise.walk_per_s,
         priors,
         used,
     };
     solution.coefficients = solution.masked(&posterior.coefficients);
     // A division that had to be coarser than the search's has no spread of its own.
-    let mut whole = solution.white * solution.priors.limits.inflation * posterior.inverse;
+    let mut whole = solution.white * solution.priors.limits.inflation * known.inverse;
     if spread.shape() == whole.shape() {
         whole += spread;
     }

@@ -31,6 +31,11 @@ const LEAST_GAIN: f64 = 20.0;
 const MARGIN: f64 = 2.0;
 const LEAST_LIMIT_PER_S: f64 = 1e-6;
 
+/// A drift is possible if late soaks are less likely with it by no more than this, as -2 ln L: two
+/// standard deviations.
+const MOST_RISE: f64 = 4.0;
+const LIMIT_STEPS: usize = 12;
+
 /// A soak is late after this time \[s\].
 const LATE_S: f64 = 600.0;
 
@@ -51,8 +56,10 @@ const LEAST_S: f64 = 200.0;
 /// What late soaks allow of the drift of an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct DriftLimits {
-    /// Fastest growth of the variance \[1/s\].
+    /// Fastest growth of the variance that coefficients are to follow \[1/s\].
     pub(crate) most_walk_per_s: f64,
+    /// Fastest growth that is possible: standard errors are to allow for it \[1/s\].
+    pub(crate) possible_walk_per_s: f64,
     /// How many times as large the variance of what forgets makes the white noise over long times.
     pub(crate) inflation: f64,
 }
@@ -62,6 +69,7 @@ pub(crate) fn limits(blocks: &Blocks) -> Vec<DriftLimits> {
     let soaks = late_soaks(blocks);
     let unknown = DriftLimits {
         most_walk_per_s: LEAST_LIMIT_PER_S,
+        possible_walk_per_s: LEAST_LIMIT_PER_S,
         inflation: 1.0,
     };
     if soaks.is_empty() {
@@ -81,6 +89,7 @@ pub(crate) fn limits(blocks: &Blocks) -> Vec<DriftLimits> {
         }
         DriftLimits {
             most_walk_per_s: (MARGIN * noise.walk_per_s).max(LEAST_LIMIT_PER_S),
+            possible_walk_per_s: possible_walk_per_s(&late, axis, noise).max(LEAST_LIMIT_PER_S),
             ..unknown
         }
     })
@@ -101,17 +110,41 @@ fn late_soaks(blocks: &Blocks) -> Vec<Range<usize>> {
         .collect()
 }
 
-/// The least -2 ln L of late soaks, each about a constant of its own, with drift times within a
-/// range \[s\].
-fn best(late: &Blocks, axis: usize, drift_s: (f64, f64)) -> (f64, NoiseShares) {
+/// The fastest drift that late soaks allow, if `noise` is the most likely one.
+fn possible_walk_per_s(late: &Blocks, axis: usize, noise: NoiseShares) -> f64 {
+    let deviance = deviance_of(late, axis);
+    let most = deviance(noise) + MOST_RISE;
+    let (mut low, mut high) = (log(noise.walk_per_s), LN_WALK_PER_S.1);
+    for _ in 0..LIMIT_STEPS {
+        let middle = 0.5 * (low + high);
+        let walk_per_s = libm::exp(middle);
+        match deviance(NoiseShares {
+            walk_per_s,
+            ..noise
+        }) <= most
+        {
+            true => low = middle,
+            false => high = middle,
+        }
+    }
+    libm::exp(low)
+}
+
+/// -2 ln L of late soaks, each about a constant of its own.
+fn deviance_of(late: &Blocks, axis: usize) -> impl Fn(NoiseShares) -> f64 {
     let constant = |block: &Block| SparseRow::from([(block.log, 1.0)]);
     let rows: Vec<SparseRow> = late.blocks.iter().map(constant).collect();
     let soaks = late.logs();
-    let deviance = |noise: NoiseShares| {
+    move |noise| {
         let whitening = Whitening::new(late, noise, |_| true);
         let products = whitening.products(&rows, soaks, &late.raw[axis]);
         posterior(&products, &[], &[], soaks).map_or(f64::INFINITY, |of| of.deviance)
-    };
+    }
+}
+
+/// The least -2 ln L of late soaks with drift times within a range \[s\].
+fn best(late: &Blocks, axis: usize, drift_s: (f64, f64)) -> (f64, NoiseShares) {
+    let deviance = deviance_of(late, axis);
     let mut noise = NoiseShares {
         drift_s: drift_s.1,
         ..START_NOISE

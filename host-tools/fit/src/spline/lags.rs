@@ -10,9 +10,8 @@ const NO_LIMIT_C: f32 = 1e3;
 /// Half widths of the plays \[degC\]. Trials that searched for them found nothing better.
 pub(crate) const HALF_WIDTHS_C: [f64; PLAYS] = [2.0, 12.0];
 
-/// The least number that the rate is divided by after power-on. A long time constant would
-/// otherwise take the first minutes of warming up for the beginning of an endless ramp.
-const LEAST_DIVISOR: f32 = 0.4;
+/// The least number that the rate is divided by after power-on: what a lasting ramp has is put later.
+pub(crate) const LEAST_DIVISOR: f32 = 0.4;
 
 /// Cells over which a gain of rate or second lag is straight; all of them where they are few.
 const STRAIGHT: usize = 4;

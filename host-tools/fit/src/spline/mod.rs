@@ -15,7 +15,7 @@
 //! | `evidence`, `ridges` | coefficients under ridges of the highest marginal likelihood |
 //! | `lowest`, `tuning` | the most likely ridges and noise at some lags |
 //! | `search` | the most likely lags and mixes |
-//! | `deployed`, `fit`, `play_start` | the model on the core's own points, as it flies |
+//! | `deployed`, `fit`, `start` | the model on the core's own points, as it flies |
 //! | `folds`, `held_out` | errors on soaks and ramps that were left out |
 //! | `auto` | which terms the logs allow; the comparison with simpler models |
 
@@ -28,11 +28,11 @@ mod folds;
 mod held_out;
 mod lags;
 mod lowest;
-mod play_start;
 mod regressors;
 mod ridges;
 mod search;
 mod sensor_noise;
+mod start;
 #[cfg(test)]
 mod tests;
 mod tuning;

@@ -7,8 +7,9 @@ use nalgebra::{DMatrix, DVector};
 use crate::least_squares::{Block, Blocks, SparseRow};
 use crate::spline::drift::{self, DriftLimits, FOREVER_S};
 use crate::spline::evidence::{Posterior, Ridge, in_use, posterior, tune};
-use crate::spline::play_start::play_start_min;
+use crate::spline::lags::Lags;
 use crate::spline::regressors::Points;
+use crate::spline::start::Start;
 use crate::spline::whitening::{NoiseShares, WhiteProducts, Whitening};
 use crate::testing::white;
 
@@ -430,31 +431,65 @@ fn the_beginning_of_a_soak_is_not_late() {
     assert_eq!(settling(0.0), settling(30.0));
 }
 
-/// The factor with which the plays were put where they are is found; without plays there is none.
+/// The factors by which a log is made are found, whatever the time constant; without plays or ramps
+/// there are none.
 #[test]
-fn plays_are_put_where_they_are_in_the_logs() {
-    let rates: Vec<f64> = (0..400).map(|i| 2.0 * (0.1 * f64::from(i)).sin()).collect();
-    let points = |factor: f64, widths_c: &[f64]| {
-        let play = |width_c: &f64| -> Vec<f64> {
-            let put = rates
-                .iter()
-                .map(|rate| (factor * rate).clamp(-width_c, *width_c));
-            put.collect()
-        };
-        Points {
-            effective_c: Vec::new(),
-            rates: Rc::new(rates.clone()),
-            lags2_c: Rc::default(),
-            plays_c: widths_c.iter().map(play).collect(),
-        }
+fn factors_of_the_start_are_found_in_the_logs() {
+    let blocks: Vec<Block> = (0..800)
+        .map(|i| Block {
+            log: i / 500,
+            time_s: 10.0 * i as f64,
+            weight: 10.0,
+            position: i,
+        })
+        .collect();
+    let temp_c: Vec<f64> = (0..800)
+        .map(|i| 30.0 * (0.01 * f64::from(i)).sin())
+        .collect();
+    // Of the last two minutes, in a log that goes on.
+    let change = |i: usize| match i % 500 {
+        12.. => temp_c[i] - temp_c[i - 12],
+        _ => f64::NAN,
     };
-    for power in [2, 7, 11] {
-        let factor = 1.3_f64.powi(power);
-        let found = play_start_min(&points(factor, &[2.0, 12.0]));
-        assert!(
-            (f64::from(found) / factor - 1.0).abs() < 1e-6,
-            "{found} {factor}"
-        );
+    for (tau_s, divisor) in [(20.0, 1.0), (100.0, 0.698_806), (1000.0, 0.4)] {
+        let fresh = |i: usize| 0.5 * change(i) * -libm::expm1(-120.0 / tau_s) / divisor;
+        let lags = Lags {
+            tau_s,
+            tau2_s: 3000.0,
+            kappa: 0.0,
+            kappa2: 0.0,
+            play_kappa: 0.0,
+            play_kappa2: 0.0,
+        };
+        let of = |factor: f64| -> Vec<f64> { (0..800).map(|i| factor * fresh(i)).collect() };
+        let play_min = 1.3_f64.powi(7);
+        let play = |width_c: &f64| -> Vec<f64> {
+            let put = of(3.0 * play_min).into_iter();
+            put.map(|put_c| put_c.clamp(-width_c, *width_c)).collect()
+        };
+        let points = |widths_c: &[f64]| Points {
+            effective_c: Vec::new(),
+            rates: Rc::new(of(3.0)),
+            lags2_c: Rc::new(of(-6.0)),
+            plays_c: widths_c.iter().map(play).collect(),
+        };
+        let found = Start::new(&blocks, &temp_c, &points(&[2.0, 12.0]), &lags);
+        let expected = Start {
+            rate: 3.0,
+            lag2_min: -2.0,
+            play_min,
+        };
+        for (found, expected) in [
+            (found.rate, expected.rate),
+            (found.lag2_min, expected.lag2_min),
+            (found.play_min, expected.play_min),
+        ] {
+            assert!((found / expected - 1.0).abs() < 1e-5, "{found} {expected}");
+        }
+        let without_plays = Start::new(&blocks, &temp_c, &points(&[]), &lags);
+        assert_eq!(without_plays.play_min, 0.0);
+        let still = vec![25.0; 800];
+        let none = Start::new(&blocks, &still, &points(&[2.0]), &lags);
+        assert_eq!(none, Start::default());
     }
-    assert_eq!(play_start_min(&points(3.0, &[])), 0.0);
 }

@@ -2,7 +2,7 @@
 
 use crate::least_squares::{Basis, Blocks, SparseRow};
 use crate::spline::drift::{DriftLimits, LN_ANGLE, LN_WALK_PER_S};
-use crate::spline::evidence::{Posterior, tune};
+use crate::spline::evidence::{Posterior, posterior, tune};
 use crate::spline::lags::Lags;
 use crate::spline::lowest::lowest_exp;
 use crate::spline::ridges::Ridges;
@@ -45,6 +45,41 @@ pub(crate) struct Trial {
     pub(crate) posteriors: Vec<Posterior>,
     /// Sum over the axes.
     pub(crate) deviance: f64,
+}
+
+/// What is known of an axis if its drift is as fast as the logs and late soaks together allow, with
+/// ridges and all other noise as they are; the drift with it.
+pub(crate) fn with_possible_drift(
+    blocks: &Blocks,
+    trial: &Trial,
+    axis: usize,
+    priors: &AxisPriors,
+) -> Option<(NoiseShares, Posterior)> {
+    let (columns, ridges) = (trial.basis.columns(), &trial.ridges);
+    let mut best: Option<(NoiseShares, Posterior)> = None;
+    let mut cost = |walk_per_s: f64| {
+        let noise = NoiseShares {
+            walk_per_s,
+            ..priors.noise
+        };
+        let whitening = Whitening::new(blocks, noise, |_| true);
+        let products = whitening.products(&trial.rows, columns, &blocks.raw[axis]);
+        let found = posterior(&products, &ridges.groups, &priors.precisions, ridges.free);
+        let deviance = found.as_ref().map_or(f64::INFINITY, |of| of.deviance);
+        if let Some(found) = found
+            && best.as_ref().is_none_or(|(_, of)| deviance < of.deviance)
+        {
+            best = Some((noise, found));
+        }
+        deviance
+    };
+    let now = priors.noise.walk_per_s;
+    cost(now);
+    let most = priors.limits.possible_walk_per_s;
+    if now < most {
+        lowest_exp((libm::log(now), libm::log(most)), NOISE_STEPS, cost);
+    }
+    best
 }
 
 /// An axis with the most likely noise and ridges.

@@ -3,7 +3,7 @@
 /// Serial number of the unit.
 pub const SERIAL: &str = "imported";
 /// CRC-32P4 over the numbers of the tables.
-pub const CRC: u32 = 0xc308f794;
+pub const CRC: u32 = 0x6a640d2c;
 /// Temperature channels.
 pub const CHANNELS: usize = 1;
 /// Axes per channel.
@@ -43,8 +43,10 @@ pub static TABLES: [tempco::Table<'static, AXES>; CHANNELS] = [
             half_width2_c: 0.0,
             play_kappa: 0.0,
             play_kappa2: 0.0,
-            play_start_min: 0.0,
             least_divisor: 0.0,
+            rate_start: 0.0,
+            lag2_start_min: 0.0,
+            play_start_min: 0.0,
         }) { Ok(checked) => checked, Err(error) => panic!("{}", error.message()) };
         const WHOLE: tempco::Table<'static, AXES> = match tempco::Table::new(THERMAL, -15.0, 80.0, &CELLS_0) { Ok(checked) => checked, Err(error) => panic!("{}", error.message()) };
         const CALIBRATED: tempco::Table<'static, AXES> = match WHOLE.calibrated(-15.0, 80.0) { Ok(checked) => checked, Err(error) => panic!("{}", error.message()) };
