@@ -30,6 +30,9 @@ const LEVEL_SHARE: f64 = 0.1;
 /// three quarters of the blocks may leap before the quartile follows them.
 const SIGMA_PER_QUARTILE: f64 = 3.138;
 
+/// Distances up to this share of the largest value are rounding.
+const ROUNDING: f64 = 1e-9;
+
 /// Leaps with fewer quiet blocks between are one: a stretch must be long enough to have a level.
 const LEAST_STRETCH: usize = 6;
 
@@ -226,9 +229,10 @@ fn leaps_of(values: &[f64], times_s: &[f64]) -> (Vec<bool>, f64) {
         let is_near = to_before_s.max(to_after_s) <= NEAR_S;
         is_near.then(|| (values[i] - 0.5 * (values[before] + values[after])).abs())
     };
-    // Means of whole pulses are often equal: 0 says nothing about their steps.
+    // Means of whole pulses are often equal, but for rounding: that says nothing about their steps.
+    let largest = values.iter().fold(0.0, |most: f64, of| most.max(of.abs()));
     let next = (0..values.len()).filter_map(|i| apart(i, NEIGHBOURS[0]));
-    let mut sizes: Vec<f64> = next.filter(|&of| of > 0.0).collect();
+    let mut sizes: Vec<f64> = next.filter(|&of| of > ROUNDING * largest).collect();
     if sizes.len() < LEAST_BLOCKS {
         return (vec![false; values.len()], f64::INFINITY);
     }
@@ -354,4 +358,23 @@ fn of_blocks(
         }
     }
     found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Means that differ by rounding alone do not say how far blocks usually are from each other.
+    #[test]
+    fn rounding_is_no_scale() {
+        let times_s: Vec<f64> = (0..1000).map(|i| 10.0 * f64::from(i)).collect();
+        let value = |i: u32| match i % 7 {
+            0 => 0.4,
+            of => [0.3, 0.1 * 3.0][of as usize % 2],
+        };
+        let values: Vec<f64> = (0..1000).map(value).collect();
+        let (leaps, sigma) = leaps_of(&values, &times_s);
+        assert!(sigma > 0.1, "{sigma}");
+        assert!(!leaps.contains(&true));
+    }
 }
