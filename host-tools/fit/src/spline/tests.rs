@@ -431,8 +431,8 @@ fn the_beginning_of_a_soak_is_not_late() {
     assert_eq!(settling(0.0), settling(30.0));
 }
 
-/// The factors by which a log is made are found, whatever the time constant; without plays or ramps
-/// there are none.
+/// The factors by which a log is made are found, whatever the time constant. Without plays or ramps
+/// they are zero.
 #[test]
 fn factors_of_the_start_are_found_in_the_logs() {
     let blocks: Vec<Block> = (0..800)
