@@ -76,6 +76,12 @@ pub struct ThermalSettings {
 }
 
 impl ThermalSettings {
+    /// A rate since power-on is not trusted with less than this \[s\].
+    pub const LEAST_MEMORY_S: f32 = 60.0;
+
+    /// When rate, second lag and plays are put where a lasting ramp has them, after power-on \[s\].
+    pub const START_S: f32 = 120.0;
+
     /// What the fit starts from: a sensor range of -60 to 150 degC, accepted jumps of 2 degC
     /// beyond 30 degC/min, 60 s of hold, a 60 s estimator without shift; no second lag, no plays.
     pub const DEFAULT: Self = Self {
@@ -164,12 +170,6 @@ pub(crate) const TICKS_PER_S: f32 = 1e5;
 /// The longest time that is counted, with room to add to it \[s\].
 const LONGEST_TIMER_S: f32 = 2e4;
 
-/// A rate since the start is not trusted with less than this \[s\].
-const LEAST_MEMORY_S: f32 = 60.0;
-
-/// When rate, second lag and plays are put where a lasting ramp has them, after power-on \[s\].
-const START_S: f32 = 120.0;
-
 const fn ticks(time_s: f32) -> i32 {
     (time_s * TICKS_PER_S + 0.5) as i32
 }
@@ -251,7 +251,7 @@ impl Thermal {
         check!(lag2_start_min, -1e3, 1e3);
         check!(play_start_min, -1e3, 1e3);
         let has_lag2 = s.has_lag2();
-        let least_memory = LEAST_MEMORY_S / s.tau_s;
+        let least_memory = ThermalSettings::LEAST_MEMORY_S / s.tau_s;
         let least_memory = if least_memory > s.least_divisor {
             least_memory
         } else {
@@ -282,7 +282,7 @@ impl Thermal {
             start: if s.rate_start == 0.0 {
                 0
             } else {
-                ticks(START_S).wrapping_neg()
+                ticks(ThermalSettings::START_S).wrapping_neg()
             },
             known_ticks: match has_lag2 {
                 true if 3.0 * s.tau2_s < LONGEST_TIMER_S => ticks(3.0 * s.tau2_s),

@@ -405,8 +405,7 @@ static void update(struct unit *u, const struct interval *dt, float temp_c)
         starts = u->starting >= 0 && !c.is_lost;
     }
     if (starts) {
-        uint32_t unused = 0;
-        rate_c_per_min = clamped(s->rate_start * rate_c_per_min, s->rate_min_c_per_min, s->rate_max_c_per_min, 0, &unused);
+        rate_c_per_min = clamped(s->rate_start * rate_c_per_min, s->rate_min_c_per_min, s->rate_max_c_per_min, 0, &status);
         u->filtered.value = c.temp_c - m->tau_min * rate_c_per_min;
         u->memory.value = 1.0f;
     }

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use tempco_log::turns::turns;
 use tempco_set::{Extent, Stretch, TooFast};
 
 use crate::summary::{Block, ChannelData};
@@ -79,39 +80,12 @@ pub(crate) fn of(data: &ChannelData, limit_c_per_min: f64) -> Extent {
 }
 
 /// How far temperatures go up and down in all, small turns aside \[degC\].
-fn travelled(mut temps_c: impl Iterator<Item = f64>) -> (f64, f64) {
-    let Some(start_c) = temps_c.next() else {
-        return (0.0, 0.0);
-    };
-    // The last turn, and the furthest since in either direction.
-    let (mut low_c, mut high_c, mut rises) = (start_c, start_c, None);
-    let (mut up_c, mut down_c) = (0.0, 0.0);
-    for temp_c in temps_c {
-        match rises {
-            Some(true) if temp_c < high_c - LEAST_TURN_C => {
-                up_c += high_c - low_c;
-                (rises, low_c) = (Some(false), temp_c);
-            }
-            Some(false) if temp_c > low_c + LEAST_TURN_C => {
-                down_c += high_c - low_c;
-                (rises, high_c) = (Some(true), temp_c);
-            }
-            Some(true) => high_c = high_c.max(temp_c),
-            Some(false) => low_c = low_c.min(temp_c),
-            None => {
-                (low_c, high_c) = (low_c.min(temp_c), high_c.max(temp_c));
-                if high_c - low_c > LEAST_TURN_C {
-                    rises = Some(temp_c == high_c);
-                }
-            }
-        }
-    }
-    match rises {
-        Some(true) => up_c += high_c - low_c,
-        Some(false) => down_c += high_c - low_c,
-        None => {}
-    }
-    (up_c, down_c)
+fn travelled(temps_c: impl Iterator<Item = f64>) -> (f64, f64) {
+    let turns_c = turns(temps_c, LEAST_TURN_C);
+    let ways_c = turns_c.windows(2).map(|pair| pair[1] - pair[0]);
+    ways_c.fold((0.0, 0.0), |(up_c, down_c), way_c| {
+        (up_c + way_c.max(0.0), down_c + (-way_c).max(0.0))
+    })
 }
 
 /// Stretches in which the temperature changes faster than the limit from mean to mean.

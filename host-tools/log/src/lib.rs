@@ -19,7 +19,7 @@
 //! | `interval`, `stream`, `chunk`, `skipped` | rows in chunks, their usual interval; bad rows, counted by reason |
 //! | `log`, `read`, `reading`, `doubt` | a whole [`Log`], how it was read, and what is in doubt of that |
 //! | [`signals`] | signals that are not what they are said to be |
-//! | [`decimate`], [`median`], [`parallel`] | an evenly spaced sample of a series; medians; work on all cores |
+//! | [`decimate`], [`median`], [`turns`], [`parallel`] | an evenly spaced sample of a series; medians; where it turns; work on all cores |
 #![forbid(unsafe_code)]
 
 mod axis_columns;
@@ -82,6 +82,7 @@ mod text_layout;
 mod time;
 mod time_column;
 mod time_types;
+pub mod turns;
 mod unit;
 
 pub use axis_columns::AxisColumn;

@@ -44,13 +44,13 @@ pub(super) fn find(times_s: &[f64], values: &[f64]) -> Vec<(f64, f64)> {
             Some(*sum)
         }))
         .collect();
+    let mean = |a: usize, b: usize| (sums[b] - sums[a]) / (b - a) as f64;
     // Mean after less mean before the i-th value; none where a side is not half full.
     let difference = |i: usize, length_s: f64| {
         let from = times_s.partition_point(|&t| t < times_s[i] - length_s);
         let to = times_s.partition_point(|&t| t < times_s[i] + length_s);
         let covered = times_s[i] - times_s[from] > 0.5 * length_s
             && times_s[to - 1] - times_s[i] > 0.5 * length_s;
-        let mean = |a: usize, b: usize| (sums[b] - sums[a]) / (b - a) as f64;
         (covered && from < i).then(|| mean(i, to) - mean(from, i))
     };
     let differences = |length_s: f64| -> (Vec<Option<f64>>, f64) {
@@ -61,9 +61,9 @@ pub(super) fn find(times_s: &[f64], values: &[f64]) -> Vec<(f64, f64)> {
     };
     // Whether the parts after the i-th value lie on one side of the parts before it, but for one each.
     let lasts = |i: usize, size: f64| {
-        let mean = |from_s: f64, to_s: f64| {
+        let part_mean = |from_s: f64, to_s: f64| {
             let [a, b] = [from_s, to_s].map(|of| times_s.partition_point(|&t| t < times_s[i] + of));
-            (a < b).then(|| size.signum() * (sums[b] - sums[a]) / (b - a) as f64)
+            (a < b).then(|| size.signum() * mean(a, b))
         };
         let edge = |part: usize| lasting_s * part as f64 / PARTS as f64;
         let sorted = |parts: [Option<f64>; PARTS]| {
@@ -72,8 +72,8 @@ pub(super) fn find(times_s: &[f64], values: &[f64]) -> Vec<(f64, f64)> {
             parts
         };
         let parts = std::array::from_fn(|part| part);
-        let after = sorted(parts.map(|part| mean(edge(part), edge(part + 1))));
-        let before = sorted(parts.map(|part| mean(-edge(part + 1), -edge(part))));
+        let after = sorted(parts.map(|part| part_mean(edge(part), edge(part + 1))));
+        let before = sorted(parts.map(|part| part_mean(-edge(part + 1), -edge(part))));
         match (after.get(1), before.iter().rev().nth(1)) {
             (Some(after), Some(before)) => after > before,
             _ => true,

@@ -175,7 +175,8 @@ fn solve(
         *used |= !held[column] || column < trial.basis.static_columns();
     }
     // Errors are to allow for a drift that coefficients must not follow.
-    let (noise, known) = with_possible_drift(blocks, trial, axis, &priors)?;
+    let coefficients = posterior.coefficients.clone();
+    let (noise, known) = with_possible_drift(blocks, trial, axis, &priors, posterior);
     let mut solution = AxisSolution {
         coefficients: Vec::new(),
         covariance: DMatrix::zeros(columns, columns),
@@ -184,7 +185,7 @@ fn solve(
         priors,
         used,
     };
-    solution.coefficients = solution.masked(&posterior.coefficients);
+    solution.coefficients = solution.masked(&coefficients);
     // A division that had to be coarser than the search's has no spread of its own.
     let mut whole = solution.white * solution.priors.limits.inflation * known.inverse;
     if spread.shape() == whole.shape() {

@@ -78,8 +78,9 @@ pub(crate) fn limits(blocks: &Blocks) -> Vec<DriftLimits> {
     let late = blocks.stretches(&soaks);
     let axes: Vec<usize> = (0..blocks.axes()).collect();
     parallel::map(&axes, |&axis| {
-        let (long, noise) = best(&late, axis, (FOREVER_S, FOREVER_S));
-        let (short, forgets) = best(&late, axis, (SHORTEST_S, SHORT_S));
+        let deviance = deviance_of(&late, axis);
+        let (long, noise) = best(&deviance, (FOREVER_S, FOREVER_S));
+        let (short, forgets) = best(&deviance, (SHORTEST_S, SHORT_S));
         if long - short > LEAST_GAIN {
             let slow = forgets.walk_per_s * forgets.drift_s.powi(2) / late.step_s();
             return DriftLimits {
@@ -89,7 +90,8 @@ pub(crate) fn limits(blocks: &Blocks) -> Vec<DriftLimits> {
         }
         DriftLimits {
             most_walk_per_s: (MARGIN * noise.walk_per_s).max(LEAST_LIMIT_PER_S),
-            possible_walk_per_s: possible_walk_per_s(&late, axis, noise).max(LEAST_LIMIT_PER_S),
+            possible_walk_per_s: possible_walk_per_s(&deviance, (long, noise))
+                .max(LEAST_LIMIT_PER_S),
             ..unknown
         }
     })
@@ -110,10 +112,13 @@ fn late_soaks(blocks: &Blocks) -> Vec<Range<usize>> {
         .collect()
 }
 
-/// The fastest drift that late soaks allow, if `noise` is the most likely one.
-fn possible_walk_per_s(late: &Blocks, axis: usize, noise: NoiseShares) -> f64 {
-    let deviance = deviance_of(late, axis);
-    let most = deviance(noise) + MOST_RISE;
+/// The fastest drift that late soaks allow, if `noise` is the most likely one, with the `least`
+/// deviance.
+fn possible_walk_per_s(
+    deviance: impl Fn(NoiseShares) -> f64,
+    (least, noise): (f64, NoiseShares),
+) -> f64 {
+    let most = least + MOST_RISE;
     let (mut low, mut high) = (log(noise.walk_per_s), LN_WALK_PER_S.1);
     for _ in 0..LIMIT_STEPS {
         let middle = 0.5 * (low + high);
@@ -143,8 +148,7 @@ fn deviance_of(late: &Blocks, axis: usize) -> impl Fn(NoiseShares) -> f64 {
 }
 
 /// The least -2 ln L of late soaks with drift times within a range \[s\].
-fn best(late: &Blocks, axis: usize, drift_s: (f64, f64)) -> (f64, NoiseShares) {
-    let deviance = deviance_of(late, axis);
+fn best(deviance: impl Fn(NoiseShares) -> f64, drift_s: (f64, f64)) -> (f64, NoiseShares) {
     let mut noise = NoiseShares {
         drift_s: drift_s.1,
         ..START_NOISE

@@ -7,7 +7,7 @@ use crate::spline::lags::{HALF_WIDTHS_C, LEAST_DIVISOR, Lags};
 use crate::spline::regressors::Points;
 
 /// The core puts them so long after power-on \[s\].
-const AFTER_S: f64 = 120.0;
+const AFTER_S: f64 = ThermalSettings::START_S as f64;
 
 /// The change of temperature is asked over up to so much more \[s\]: there may be gaps.
 const TOLERANCE_S: f64 = 60.0;
@@ -75,7 +75,8 @@ impl Start {
 /// \[degC/min\].
 fn fresh_rates(blocks: &[Block], temp_c: &[f64], tau_s: f64) -> Vec<(usize, f64)> {
     let share = -libm::expm1(-AFTER_S / tau_s);
-    let share = share / share.max((60.0 / tau_s).min(1.0)).max(LEAST_DIVISOR.into());
+    let least = (f64::from(ThermalSettings::LEAST_MEMORY_S) / tau_s).min(1.0);
+    let share = share / share.max(least).max(LEAST_DIVISOR.into());
     let mut before = 0;
     let fresh = |i: usize| {
         let is_before =

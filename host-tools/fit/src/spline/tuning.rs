@@ -48,16 +48,18 @@ pub(crate) struct Trial {
 }
 
 /// What is known of an axis if its drift is as fast as the logs and late soaks together allow, with
-/// ridges and all other noise as they are; the drift with it.
+/// ridges and all other noise as they are; the noise with it. `known` is what is known under `priors`.
 pub(crate) fn with_possible_drift(
     blocks: &Blocks,
     trial: &Trial,
     axis: usize,
     priors: &AxisPriors,
-) -> Option<(NoiseShares, Posterior)> {
+    known: Posterior,
+) -> (NoiseShares, Posterior) {
     let (columns, ridges) = (trial.basis.columns(), &trial.ridges);
-    let mut best: Option<(NoiseShares, Posterior)> = None;
-    let mut cost = |walk_per_s: f64| {
+    let now = priors.noise.walk_per_s;
+    let mut best = (priors.noise, known);
+    let cost = |walk_per_s: f64| {
         let noise = NoiseShares {
             walk_per_s,
             ..priors.noise
@@ -66,15 +68,11 @@ pub(crate) fn with_possible_drift(
         let products = whitening.products(&trial.rows, columns, &blocks.raw[axis]);
         let found = posterior(&products, &ridges.groups, &priors.precisions, ridges.free);
         let deviance = found.as_ref().map_or(f64::INFINITY, |of| of.deviance);
-        if let Some(found) = found
-            && best.as_ref().is_none_or(|(_, of)| deviance < of.deviance)
-        {
-            best = Some((noise, found));
+        if let Some(found) = found.filter(|_| deviance < best.1.deviance) {
+            best = (noise, found);
         }
         deviance
     };
-    let now = priors.noise.walk_per_s;
-    cost(now);
     let most = priors.limits.possible_walk_per_s;
     if now < most {
         lowest_exp((libm::log(now), libm::log(most)), NOISE_STEPS, cost);

@@ -12,8 +12,6 @@ pub(crate) use summary::class_of;
 
 use maud::{Markup, html};
 
-use tempco_set::CoefficientSet;
-
 use crate::Subject;
 use crate::figure::{AxisFigures, Figure, Figures};
 use crate::gather::{Gathered, MOST_CLUSTERS};
@@ -37,22 +35,6 @@ pub(crate) fn page(subject: &Subject, gathered: &Gathered, figures: &Figures) ->
             (provenance::provenance(subject))
         },
     )
-}
-
-fn what_to_record_next(set: &CoefficientSet, gathered: &Gathered) -> Markup {
-    let channels = set.channels.iter().zip(&gathered.channels);
-    let advice = channels.flat_map(|(channel, gathered)| {
-        let sentences = record_next::record_next(channel, gathered).into_iter();
-        sentences.map(|sentence| (channel.temperature.clone(), sentence))
-    });
-    let advice: Vec<_> = advice.collect();
-    html! {
-        h3 { "What to record next" }
-        @if advice.is_empty() {
-            p { "The logs have ramps of several rates, both directions and loops over the whole range." }
-        }
-        ul { @for (name, sentence) in &advice { li { (name) ": " (sentence) } } }
-    }
 }
 
 fn sections(subject: &Subject, gathered: &Gathered, figures: &Figures) -> Markup {
@@ -107,7 +89,7 @@ fn sections(subject: &Subject, gathered: &Gathered, figures: &Figures) -> Markup
             p { "Where the logs of this report were in temperature and rate. Outside of the frame the "
                 "set is held at its edge." }
             div.figures { @for map in &figures.coverage { figure { (map.inline()) } } }
-            @if subject.evaluation.is_none() { (what_to_record_next(set, gathered)) }
+            @if subject.evaluation.is_none() { (record_next::record_next(set, gathered)) }
             (tables::coverage(set))
         }
     }

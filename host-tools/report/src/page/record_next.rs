@@ -1,8 +1,10 @@
 //! What the logs of a calibration do not cover: what to record next.
 
-use tempco_set::ChannelSet;
+use maud::{Markup, html};
+use tempco_log::turns::turns;
+use tempco_set::{ChannelSet, CoefficientSet};
 
-use crate::gather::GatheredChannel;
+use crate::gather::{Gathered, GatheredChannel};
 
 /// A turn of less is noise of a sensor, or a chamber that overshoots \[degC\].
 const LEAST_TURN_C: f64 = 5.0;
@@ -18,8 +20,25 @@ const LEAST_RATE: f64 = 0.1;
 const LEAST_TIME_S: f64 = 10.0;
 const LEAST_BAND_C: f64 = 5.0;
 
+/// What each channel lacks.
+pub(super) fn record_next(set: &CoefficientSet, gathered: &Gathered) -> Markup {
+    let channels = set.channels.iter().zip(&gathered.channels);
+    let advice = channels.flat_map(|(channel, gathered)| {
+        let sentences = missing(channel, gathered).into_iter();
+        sentences.map(|sentence| (&channel.temperature, sentence))
+    });
+    let advice: Vec<_> = advice.collect();
+    html! {
+        h3 { "What to record next" }
+        @if advice.is_empty() {
+            p { "The logs have ramps of several rates, both directions and loops over the whole range." }
+        }
+        ul { @for (name, sentence) in &advice { li { (name) ": " (sentence) } } }
+    }
+}
+
 /// Sentences that say what is missing, the most useful first; none if nothing is.
-pub(super) fn record_next(channel: &ChannelSet, gathered: &GatheredChannel) -> Vec<String> {
+fn missing(channel: &ChannelSet, gathered: &GatheredChannel) -> Vec<String> {
     let range_c = (
         f64::from(channel.table.t_min_c),
         f64::from(channel.table.t_max_c),
@@ -34,15 +53,14 @@ pub(super) fn record_next(channel: &ChannelSet, gathered: &GatheredChannel) -> V
         ));
     }
     for (heats, from_c, to_c) in one_way(gathered, range_c) {
-        let (verb, only) = match heats {
-            true => ("Cool", "rises"),
-            false => ("Heat", "falls"),
-        };
-        found.push(format!(
-            "{verb} from {from_c:.0} to {to_c:.0} degC. There the temperature only {only}.",
-            from_c = if heats { to_c } else { from_c },
-            to_c = if heats { from_c } else { to_c },
-        ));
+        found.push(match heats {
+            true => format!(
+                "Cool from {to_c:.0} to {from_c:.0} degC. There the temperature only rises."
+            ),
+            false => format!(
+                "Heat from {from_c:.0} to {to_c:.0} degC. There the temperature only falls."
+            ),
+        });
     }
     let means = gathered.temps_c.iter();
     let means = means.filter_map(|(_, spread)| spread.mean());
@@ -61,40 +79,14 @@ fn without_turn(
     (low_c, high_c): (f64, f64),
 ) -> Option<(f64, f64)> {
     let mut turns_c = vec![low_c, high_c];
-    turns_c.extend(turns(temps_c));
+    // Where the logs begin and end is no turn.
+    if let [_, inner @ .., _] = turns(temps_c, LEAST_TURN_C).as_slice() {
+        turns_c.extend(inner);
+    }
     turns_c.sort_unstable_by(f64::total_cmp);
     let bands = turns_c.windows(2).map(|pair| (pair[0], pair[1]));
     let widest = bands.max_by(|a, b| (a.1 - a.0).total_cmp(&(b.1 - b.0)));
     widest.filter(|(from_c, to_c)| to_c - from_c > MOST_WITHOUT_TURN_C)
-}
-
-/// Where a temperature turns back \[degC\].
-fn turns(temps_c: impl Iterator<Item = f64>) -> Vec<f64> {
-    let mut found = Vec::new();
-    // The way so far: up, down or not known, and the lowest and highest since the last turn.
-    let mut up: Option<bool> = None;
-    let (mut low_c, mut high_c) = (f64::INFINITY, f64::NEG_INFINITY);
-    for temp_c in temps_c {
-        (low_c, high_c) = (low_c.min(temp_c), high_c.max(temp_c));
-        let (rises, falls) = (
-            temp_c - low_c > LEAST_TURN_C,
-            high_c - temp_c > LEAST_TURN_C,
-        );
-        let turned = match up {
-            Some(true) => falls.then_some(high_c),
-            Some(false) => rises.then_some(low_c),
-            None => {
-                up = (rises || falls).then_some(rises);
-                None
-            }
-        };
-        if let Some(turn_c) = turned {
-            found.push(turn_c);
-            up = up.map(|up| !up);
-            (low_c, high_c) = (temp_c, temp_c);
-        }
-    }
-    found
 }
 
 /// Bands that were passed in one direction alone: whether that is heating, and their ends \[degC\].
@@ -134,17 +126,6 @@ mod tests {
             let (from, to) = (pair[0], pair[1]);
             (0..=100).map(move |i| from + (to - from) * f64::from(i) / 100.0)
         })
-    }
-
-    #[test]
-    fn turns_are_found_and_noise_is_none() {
-        let noisy = way(&[20.0, -10.0, 60.0, 40.0, 50.0]).enumerate();
-        let found = turns(noisy.map(|(i, temp_c)| temp_c + 0.5 * (i % 2) as f64));
-        for (found, expected) in found.iter().zip([-10.0, 60.5, 40.0]) {
-            assert!((found - expected).abs() < 0.6, "{found} {expected}");
-        }
-        assert_eq!(found.len(), 3);
-        assert!(turns(way(&[20.0, 24.0, 20.0])).is_empty());
     }
 
     #[test]
