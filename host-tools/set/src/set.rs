@@ -171,8 +171,12 @@ impl CoefficientSet {
         };
         let set: Self = match version1::converted(text)? {
             Some(converted) => {
-                let mut set: Self = serde_json::from_value(converted)
-                    .map_err(|error| format!("{error}; expected a coefficient set of version 1"))?;
+                // A place in the converted text is of no use to anyone.
+                let mut set: Self = serde_json::from_str(&converted).map_err(|error| {
+                    let place = format!(" at line {} column {}", error.line(), error.column());
+                    let error = error.to_string().replace(&place, "");
+                    format!("{error}; expected a coefficient set of version 1")
+                })?;
                 // Version 1 had the CRC of the tables only.
                 set.set_crc32 = format!("{:08x}", set.polynomial_crc32());
                 set

@@ -16,11 +16,11 @@ struct Head {
     format_version: u64,
 }
 
-/// A set of version 1 as one of version 2; none where the text is not of version 1.
+/// A set of version 1 as the text of one of version 2; none where the text is not of version 1.
 ///
 /// # Errors
 /// Another version; a set that cannot be converted: fit again.
-pub(crate) fn converted(text: &str) -> Result<Option<Value>, String> {
+pub(crate) fn converted(text: &str) -> Result<Option<String>, String> {
     // A text that has no version is not read here either, and what it lacks is said there.
     let version = serde_json::from_str(text).map(|Head { format_version }| format_version);
     match version.unwrap_or(FORMAT_VERSION.into()) {
@@ -62,7 +62,7 @@ pub(crate) fn converted(text: &str) -> Result<Option<Value>, String> {
     if let Some(settings) = set.get_mut("settings") {
         insert(settings, "thermal_period_s", json!(longest_s));
     }
-    Ok(Some(set))
+    Ok(Some(set.to_string()))
 }
 
 fn convert_table(channel: &mut Value) -> Result<(), String> {
