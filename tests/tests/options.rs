@@ -22,7 +22,19 @@ const RANGES: [&str; 7] = [
 
 /// Commands, with the options of theirs that take numbers, and those that take ranges. What stands
 /// for a serial port is none.
-const COMMANDS: [(&str, &[&str], &[&str]); 10] = [
+const COMMANDS: [(&str, &[&str], &[&str]); 11] = [
+    (
+        "summarise log.csv --out OUT",
+        &[
+            "--rate-tau",
+            "--kappa",
+            "--max-slew",
+            "--tau",
+            "--scale-factor",
+            "--instance",
+        ],
+        &["--exclude"],
+    ),
     (
         "fit log.csv --serial S1 --out OUT --model composite",
         &[

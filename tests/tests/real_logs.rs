@@ -180,10 +180,8 @@ fn one_part_of_the_chamber_cycle_does_not_spoil_the_other() {
     for (train, judge) in [(2800..log.rows(), 0..2700), (0..2700, 2800..log.rows())] {
         let (train, judge) = (part(&log, train), part(&log, judge));
         let cubic = cubic(&train, &judge);
-        let options = FitOptions {
-            tau_s: 10.114,
-            ..FitOptions::new("REAL", Model::Auto)
-        };
+        let mut options = FitOptions::new("REAL", Model::Auto);
+        options.plan.tau_s = 10.114;
         let fitted = fit(std::slice::from_ref(&train), &options).unwrap();
         let set = &fitted.set;
         let applied = apply(set, &judge).unwrap();

@@ -7,8 +7,7 @@ use anyhow::{Context, Result, anyhow, bail, ensure};
 use tempco_fit::batch::{
     AxisResult, Outcome, SUMMARY_FILES, Summary, UnitLogs, UnitResult, check_serial, find_units,
 };
-use tempco_fit::summary::{Plan, summarise_file};
-use tempco_fit::{FitOptions, fit_summaries};
+use tempco_fit::{FitOptions, Plan, fit_summaries};
 use tempco_log::{ReadOptions, parallel};
 use tempco_report::batch_page;
 use tempco_set::WarningCode;
@@ -20,6 +19,7 @@ use crate::judgement::say_rejections;
 use crate::output::{WIDTH, percent, print, print_lines, print_wrapped, say, table, within};
 use crate::progress::Progress;
 use crate::set_files::{report_on, write};
+use crate::shared_args::summary_of;
 
 /// Fits every unit found in `folder`; the serial number in `options` is replaced by the unit's.
 pub(crate) fn run(
@@ -30,7 +30,7 @@ pub(crate) fn run(
     with_report: bool,
 ) -> Result<Exit> {
     // Options that no unit can be fitted with.
-    let plan = options.plan()?;
+    let plan = Plan::new(options.plan.clone())?;
     let units = find_units(folder, out)?;
     let progress = Progress::over(units.iter().flat_map(|unit| &unit.logs));
     let outcomes = parallel::map(&units, |unit| Outcome {
@@ -79,7 +79,7 @@ fn fit_unit(
 ) -> Result<UnitResult> {
     ensure!(
         !unit.logs.is_empty(),
-        "no log in its folder: expected .csv, .csv.gz, .csv.zst, .parquet, .ulg or .bin"
+        "no log in its folder: expected .csv, .csv.gz, .csv.zst, .parquet, .ulg, .bin or .summary"
     );
     // A pipe that nobody writes to would block without end.
     let other = unit
@@ -96,7 +96,7 @@ fn fit_unit(
     let logs = unit
         .logs
         .iter()
-        .map(|path| summarise_file(path, reading, plan, |bytes| progress.add(bytes)))
+        .map(|path| summary_of(path, reading, plan, |bytes| progress.add(bytes)))
         .collect::<Result<Vec<_>, _>>()?;
     for log in logs.iter().filter(|log| !log.reading().is_plain()) {
         say!(
@@ -109,7 +109,8 @@ fn fit_unit(
     let fit = fit_summaries(&logs, &options)?;
     let judgement = fit.judge();
     let report = if with_report {
-        let (logs, tau_s) = (&unit.logs, options.tau_s);
+        let logs = logs.iter().zip(&unit.logs);
+        let tau_s = options.plan.tau_s;
         Some(report_on(&fit.set, &judgement, logs, reading, tau_s)?)
     } else {
         None

@@ -5,21 +5,21 @@ use std::path::PathBuf;
 
 use anyhow::{Result, bail, ensure};
 use serde_json::json;
-use tempco::ThermalSettings;
-use tempco_fit::summary::LogSummary;
-use tempco_fit::{FitOptions, fit_summaries};
+use tempco_fit::summary::{LogSummary, is_summary, read_summary};
+use tempco_fit::{FitOptions, Plan, fit_summaries};
 use tempco_log::ReadOptions;
-use tempco_set::{CoefficientSet, Stretch, file_names};
+use tempco_set::{CoefficientSet, file_names};
 
 use crate::Exit;
 use crate::answer::{Answer, channel_notes};
 use crate::batch;
 use crate::method_args::MethodArgs;
 use crate::output::{figure, percent, print, print_lines, say, table};
+use crate::plan_args::PlanArgs;
 use crate::report::{ensure_rereadable, write_figures};
 use crate::set_files::{report_on, write};
 use crate::set_tables::{show_choice, show_states};
-use crate::shared_args::{LogArgs, PrintArgs, Summaries, averaging_time};
+use crate::shared_args::{LogArgs, PrintArgs, Summaries};
 
 /// Fit a coefficient set to the chamber logs of a unit
 ///
@@ -36,14 +36,14 @@ use crate::shared_args::{LogArgs, PrintArgs, Summaries, averaging_time};
 #[command(after_help = "Example: tempco fit chamber.csv --serial RLG-7 --out RLG-7")]
 pub(crate) struct Args {
     /// Chamber logs of the unit: CSV (plain, gzip or zstd), Parquet, ULog of PX4 (.ulg) or DataFlash of
-    /// ArduPilot (.bin)
+    /// ArduPilot (.bin); or summaries of them, by `tempco summarise`
     #[arg(required_unless_present = "batch", value_name = "LOG.csv")]
     logs: Vec<PathBuf>,
     /// Serial number of the unit
     #[arg(long, required_unless_present = "batch")]
     serial: Option<String>,
     /// Fit all units of this folder. It holds a folder per serial number with the logs of the unit,
-    /// or logs named SERIAL.csv or SERIAL_*.csv (also .csv.gz, .csv.zst, .parquet, .ulg, .bin)
+    /// or logs named SERIAL.csv or SERIAL_*.csv (also .csv.gz, .csv.zst, .parquet, .ulg, .bin, .summary)
     #[arg(
         long,
         value_name = "FOLDER",
@@ -55,24 +55,8 @@ pub(crate) struct Args {
     out: PathBuf,
     #[command(flatten)]
     method: MethodArgs,
-    /// Leave a stretch of time out of the fit, in s, in every log. May be repeated
-    #[arg(long, value_name = "T1:T2", value_parser = stretch, allow_hyphen_values = true)]
-    exclude: Vec<Stretch>,
-    /// Keep spikes and disturbances in the fit
-    #[arg(long)]
-    keep_outliers: bool,
-    /// Fastest change of temperature that a unit can have, in degC/min
-    #[arg(long, value_name = "RATE", default_value_t = ThermalSettings::DEFAULT.max_slew_c_per_min, allow_negative_numbers = true)]
-    max_slew: f32,
-    /// Averaging time of the bias stability, in s
-    #[arg(
-        long,
-        value_name = "S",
-        default_value_t = 100.0,
-        value_parser = averaging_time,
-        allow_negative_numbers = true
-    )]
-    tau: f64,
+    #[command(flatten)]
+    plan: PlanArgs,
     /// Also write the figures of the report into this folder, as SVG files
     #[arg(long, value_name = "DIR", conflicts_with_all = ["batch", "no_report"])]
     figures: Option<PathBuf>,
@@ -85,24 +69,24 @@ pub(crate) struct Args {
     reading: LogArgs,
 }
 
-fn stretch(text: &str) -> Result<Stretch, String> {
-    let ends = text.split_once(':').and_then(|(from, to)| {
-        let (from_s, to_s) = (from.trim().parse().ok()?, to.trim().parse().ok()?);
-        (from_s < to_s).then_some(Stretch { from_s, to_s })
-    });
-    ends.ok_or_else(|| "expected T1:T2 in s, T1 before T2".to_owned())
-}
-
 pub(crate) fn run(args: &Args) -> Result<Exit> {
-    let options = options(args)?;
-    let reading = args.reading.options(None)?;
+    let plan = plan(args)?;
+    let options = FitOptions {
+        serial: args.serial.clone().unwrap_or_default(),
+        method: args.method.method(),
+        plan: plan.options().clone(),
+    };
+    let reading = ReadOptions {
+        scale_factor_arcsec: options.plan.scale_factor_arcsec,
+        ..args.reading.options(None)?
+    };
     if let Some(folder) = &args.batch {
         return batch::run(folder, &args.out, &reading, &options, !args.no_report);
     }
     if !args.no_report {
         ensure_rereadable(&args.logs)?;
     }
-    match LogArgs::summarise_all(&args.logs, &reading, &options.plan()?)? {
+    match LogArgs::summarise_all(&args.logs, &reading, &plan)? {
         Summaries::Of(logs) => {
             let place = Place {
                 out: args.out.clone(),
@@ -110,8 +94,30 @@ pub(crate) fn run(args: &Args) -> Result<Exit> {
             };
             write_set(args, &place, &reading, &options, &logs)
         }
-        Summaries::OfInstances(instances) => fit_each(args, &reading, &options, &instances),
+        Summaries::OfInstances(instances) => fit_each(args, &reading, &options, &plan, &instances),
     }
+}
+
+/// The plan by which the logs are summarised: the summaries among them say it, or the options.
+///
+/// # Errors
+/// Options that the core refuses, or that come too late for a summary.
+fn plan(args: &Args) -> Result<Plan> {
+    let mut summaries = args.logs.iter().filter(|path| is_summary(path));
+    let Some(summary) = summaries.next() else {
+        return Ok(Plan::new(args.plan.options(args.reading.scale_factor))?);
+    };
+    let scale_factor = args.reading.scale_factor.map(|_| "--scale-factor");
+    let has_logs = summaries.count() + 1 < args.logs.len();
+    let of_reading = args.reading.given().filter(|_| !has_logs);
+    if let Some(option) = args.plan.given().or(scale_factor).or(of_reading) {
+        bail!(
+            "{}: is a summary, which was made with such options: expected {option} with \
+             `tempco summarise`, not here",
+            summary.display()
+        );
+    }
+    Ok(read_summary(summary)?.plan().clone())
 }
 
 /// Fits a set to each source in the logs, in a folder of its own; the exit code is the worst.
@@ -122,6 +128,7 @@ fn fit_each(
     args: &Args,
     reading: &ReadOptions,
     options: &FitOptions,
+    plan: &Plan,
     instances: &BTreeSet<u32>,
 ) -> Result<Exit> {
     ensure_rereadable(&args.logs)?;
@@ -141,7 +148,7 @@ fn fit_each(
             out: args.out.join(&name),
             figures: args.figures.as_ref().map(|folder| folder.join(&name)),
         };
-        let fitted = LogArgs::summarise_all(&args.logs, &reading, &options.plan()?);
+        let fitted = LogArgs::summarise_all(&args.logs, &reading, plan);
         let fitted = fitted.and_then(|logs| match logs {
             Summaries::Of(logs) => write_set(args, &place, &reading, &options, &logs),
             Summaries::OfInstances(_) => bail!("the logs were changed while they were read"),
@@ -182,7 +189,14 @@ fn write_set(
     let report = if args.no_report {
         None
     } else {
-        Some(report_on(set, &judgement, &args.logs, reading, args.tau)?)
+        let logs = logs.iter().zip(&args.logs);
+        Some(report_on(
+            set,
+            &judgement,
+            logs,
+            reading,
+            options.plan.tau_s,
+        )?)
     };
     if let (Some(report), Some(folder)) = (&report, &place.figures) {
         write_figures(report, folder)?;
@@ -206,18 +220,6 @@ fn write_set(
     };
     answer.print(&args.print, out, json, || show(set))?;
     Ok(Exit::of(judgement.is_accepted()))
-}
-
-fn options(args: &Args) -> Result<FitOptions> {
-    Ok(FitOptions {
-        serial: args.serial.clone().unwrap_or_default(),
-        method: args.method.method(),
-        thermal: args.method.thermal(args.max_slew),
-        exclude: args.exclude.clone(),
-        robust: !args.keep_outliers,
-        scale_factor_arcsec: args.reading.scale_factor,
-        tau_s: args.tau,
-    })
 }
 
 /// All that a fit says of itself.

@@ -15,6 +15,7 @@ mod judgement;
 mod method_args;
 mod monitor;
 mod output;
+mod plan_args;
 mod port_args;
 mod progress;
 mod replay;
@@ -26,6 +27,7 @@ mod shared_args;
 mod signals;
 mod simulate;
 mod status;
+mod summarise;
 
 use std::process::ExitCode;
 
@@ -49,6 +51,7 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Fit(fit::Args),
+    Summarise(summarise::Args),
     Apply(apply::Args),
     Evaluate(evaluate::Args),
     Inspect(inspect::Args),
@@ -85,6 +88,7 @@ fn main() -> ExitCode {
     }
     let result = match command {
         Command::Fit(args) => fit::run(&args),
+        Command::Summarise(args) => summarise::run(&args),
         Command::Apply(args) => apply::run(&args),
         Command::Evaluate(args) => evaluate::run(&args),
         Command::Inspect(args) => inspect::run(&args),
@@ -122,7 +126,7 @@ mod tests {
             .chain(subcommands)
             .cloned()
             .collect();
-        assert_eq!(commands.len(), 10);
+        assert_eq!(commands.len(), 11);
         for mut command in commands {
             let name = command.get_name().to_owned();
             for help in [command.render_help(), command.render_long_help()] {

@@ -1,8 +1,7 @@
 //! Arguments of `tempco fit` that say what is fitted.
 
 use clap::ValueEnum;
-use tempco::ThermalSettings;
-use tempco_fit::{LagSearch, Method, SegmentModel, SegmentOverlap};
+use tempco_fit::{Method, SegmentModel, SegmentOverlap};
 use tempco_set::Segmentation;
 
 /// What is fitted.
@@ -18,13 +17,6 @@ pub(crate) struct MethodArgs {
     /// models that it is compared with. Default: the measured range is divided
     #[arg(long, value_name = "MIN:MAX,...", allow_hyphen_values = true)]
     segments: Option<Segmentation>,
-    /// Time constant of the rate estimator, in s. Default: fitted for auto, else 60
-    #[arg(long, value_name = "S", allow_negative_numbers = true)]
-    rate_tau: Option<f32>,
-    /// Share of the lag that is compensated, in u = T - kappa (T - L), with L the filtered T.
-    /// Default: fitted for auto, else 0 as in the paper
-    #[arg(long, allow_negative_numbers = true)]
-    kappa: Option<f32>,
     /// Removed: `auto` finds history terms where the logs show them
     #[arg(long, hide = true, value_parser = states)]
     states: Option<()>,
@@ -74,24 +66,9 @@ impl MethodArgs {
             ModelArg::Static => segments(SegmentModel::Static),
             ModelArg::Composite => segments(SegmentModel::Composite),
             ModelArg::Auto => Method::Auto {
-                search: LagSearch {
-                    tau: self.rate_tau.is_none(),
-                    kappa: self.kappa.is_none(),
-                },
                 overlap,
                 segmentation,
             },
-        }
-    }
-
-    /// Settings of the thermal path, without those that are fitted.
-    pub(crate) fn thermal(&self, max_slew_c_per_min: f32) -> ThermalSettings {
-        let default = ThermalSettings::DEFAULT;
-        ThermalSettings {
-            max_slew_c_per_min,
-            tau_s: self.rate_tau.unwrap_or(default.tau_s),
-            kappa: self.kappa.unwrap_or(default.kappa),
-            ..default
         }
     }
 }
@@ -154,28 +131,17 @@ mod tests {
         for model in ["static", "composite", "auto"] {
             for &overlap in &or_not(&["none", "hard", "mean", "linear", "smooth"]) {
                 for &segments in &or_not(&["-15:15,5:35"]) {
-                    for &tau in &or_not(&["90"]) {
-                        for &kappa in &or_not(&["0.5"]) {
-                            check(model, overlap, segments, (tau, kappa));
-                        }
-                    }
+                    check(model, overlap, segments);
                 }
             }
         }
     }
 
-    fn check(
-        model: &str,
-        overlap: Option<&str>,
-        segments: Option<&str>,
-        (tau, kappa): (Option<&str>, Option<&str>),
-    ) {
+    fn check(model: &str, overlap: Option<&str>, segments: Option<&str>) {
         let options = [
             ("--model", Some(model)),
             ("--overlap", overlap),
             ("--segments", segments),
-            ("--rate-tau", tau),
-            ("--kappa", kappa),
         ];
         let given = options
             .iter()
@@ -190,27 +156,8 @@ mod tests {
             overlap.unwrap_or("linear")
         };
         assert_eq!(found.overlap().name(), own);
-        let given = match &found {
-            Method::Segments { segmentation, .. } => segmentation,
-            Method::Auto {
-                segmentation,
-                search,
-                ..
-            } => {
-                let expected = LagSearch {
-                    tau: tau.is_none(),
-                    kappa: kappa.is_none(),
-                };
-                assert_eq!(*search, expected);
-                segmentation
-            }
-        };
-        assert_eq!(given.is_some(), segments.is_some());
-        let thermal = args.thermal(3.0);
-        assert_eq!(thermal.max_slew_c_per_min, 3.0);
-        assert_eq!(thermal.tau_s, tau.map_or(60.0, |tau| tau.parse().unwrap()));
-        let kappa = kappa.map_or(0.0, |kappa| kappa.parse().unwrap());
-        assert_eq!(thermal.kappa, kappa);
+        let (Method::Segments { segmentation, .. } | Method::Auto { segmentation, .. }) = &found;
+        assert_eq!(segmentation.is_some(), segments.is_some());
     }
 
     #[test]

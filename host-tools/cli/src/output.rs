@@ -6,25 +6,13 @@ use std::path::Path;
 use anyhow::{Context, Result};
 use comfy_table::{ContentArrangement, Row, Table, presets};
 use serde::Serialize;
-pub(crate) use tempco_evaluate::{figure, percent};
+pub(crate) use tempco_evaluate::{figure, percent, without_dust};
 pub(crate) use tempco_report::table;
 use tempco_set::escape;
 use tempco_set::files::{Draft, keep_all};
 
 /// Columns that fit on every terminal.
 pub(crate) const WIDTH: u16 = 80;
-
-/// A difference of this share of the values is rounding.
-const DUST: f64 = 1e-9;
-
-/// A difference, or 0 where it is within the rounding of values as large as `scale`.
-pub(crate) fn without_dust(difference: f64, scale: f64) -> f64 {
-    if difference.abs() <= DUST * scale {
-        0.0
-    } else {
-        difference
-    }
-}
 
 /// A text in lines of at most [`WIDTH`] columns, the second and later ones indented.
 pub(crate) fn wrap(text: &str) -> Vec<String> {
@@ -141,12 +129,5 @@ mod tests {
         assert!(short.len() <= 80 && short.ends_with("..."), "{short}");
         assert_eq!(wrap("short"), ["short"]);
         assert_eq!(shorten("short"), "short");
-    }
-
-    #[test]
-    fn only_rounding_is_dust() {
-        assert_eq!(without_dust(1.4e-17, 0.05), 0.0);
-        assert_eq!(without_dust(-3e-4, 0.05), -3e-4);
-        assert!(without_dust(f64::NAN, 0.05).is_nan());
     }
 }

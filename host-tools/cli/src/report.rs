@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
+use tempco_fit::summary::LogSummary;
 use tempco_log::ReadOptions;
 use tempco_report::{Gatherer, LogTimes, Report};
 use tempco_set::CoefficientSet;
@@ -31,18 +32,24 @@ pub(crate) struct Found {
     pub(crate) duration_s: f64,
 }
 
-/// The logs that a set was fitted to.
-pub(crate) fn fitted_logs(set: &CoefficientSet, paths: &[PathBuf]) -> Vec<Found> {
-    let inputs = set.provenance.inputs.iter().zip(paths);
-    let found = inputs.map(|(input, path)| Found {
-        log: KnownLog {
-            path: path.clone(),
-            interval_s: input.interval_s,
-            sha256: input.sha256.clone(),
-        },
-        duration_s: input.duration_s,
+/// The logs that a set was fitted to, in its order.
+pub(crate) fn fitted_logs<'a>(
+    set: &CoefficientSet,
+    logs: impl Iterator<Item = (&'a LogSummary, &'a PathBuf)> + Clone,
+) -> Vec<Found> {
+    let inputs = set.provenance.inputs.iter().filter_map(|input| {
+        let of_input = |(log, _): &(&LogSummary, &PathBuf)| log.sha256() == input.sha256;
+        let (_, path) = logs.clone().find(of_input)?;
+        Some(Found {
+            log: KnownLog {
+                path: path.clone(),
+                interval_s: input.interval_s,
+                sha256: input.sha256.clone(),
+            },
+            duration_s: input.duration_s,
+        })
     });
-    found.collect()
+    inputs.collect()
 }
 
 /// Runs the logs through the core again, and gathers the data of the figures.

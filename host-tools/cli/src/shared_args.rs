@@ -7,7 +7,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Error, Result, bail};
 use tempco_evaluate::TAU_RANGE_S;
-use tempco_fit::summary::{LogSummary, Plan, summarise_file};
+use tempco_fit::Plan;
+use tempco_fit::summary::{LogSummary, is_summary, read_summary, summarise_file};
 use tempco_log::{
     Log, LogError, Mapping, ReadOptions, Reading, SkippedRows, list_names, parallel,
     read_log_observed,
@@ -169,14 +170,15 @@ impl LogArgs {
     ) -> Result<Summaries> {
         let progress = Progress::over(paths);
         let logs = parallel::map(paths, |path| {
-            summarise_file(path, options, plan, |bytes| progress.add(bytes))
+            summary_of(path, options, plan, |bytes| progress.add(bytes))
         });
         drop(progress);
         let mut instances = BTreeSet::new();
         for log in &logs {
-            if let Err(LogError::Sources {
+            let error = log.as_ref().err().and_then(Error::downcast_ref);
+            if let Some(LogError::Sources {
                 instances: of_log, ..
-            }) = log
+            }) = error
             {
                 instances.extend(of_log);
             }
@@ -190,6 +192,23 @@ impl LogArgs {
             say_reading(log.file(), reading, ignored, log.skipped_rows());
         }
         Ok(Summaries::Of(logs))
+    }
+
+    /// An option that was given.
+    pub(crate) fn given(&self) -> Option<&'static str> {
+        let options = [
+            ("--time", self.time.is_some()),
+            ("--temp", !self.temp.is_empty()),
+            ("--axis", !self.axis.is_empty()),
+            ("--where", !self.filter.is_empty()),
+            ("--instance", self.instance.is_some()),
+            ("--join", self.join.is_some()),
+            ("--map", self.map.is_some()),
+            ("--scale-factor", self.scale_factor.is_some()),
+            ("--skip-bad-rows", self.skip_bad_rows),
+        ];
+        let given = options.iter().find(|(_, is_given)| *is_given);
+        given.map(|(option, _)| *option)
     }
 
     /// How to read; what is not given is as kept in the set.
@@ -219,6 +238,24 @@ impl LogArgs {
             skip_bad_rows: self.skip_bad_rows,
         })
     }
+}
+
+/// The summary of a log, or the one that a file holds; tells `observer` how many more bytes were read.
+///
+/// # Errors
+/// What is wrong with the file.
+pub(crate) fn summary_of(
+    path: &Path,
+    options: &ReadOptions,
+    plan: &Plan,
+    mut observer: impl FnMut(u64),
+) -> Result<LogSummary> {
+    if is_summary(path) {
+        let summary = read_summary(path)?;
+        observer(fs::metadata(path).map_or(0, |metadata| metadata.len()));
+        return Ok(summary);
+    }
+    Ok(summarise_file(path, options, plan, observer)?)
 }
 
 /// What logs were summarised to.

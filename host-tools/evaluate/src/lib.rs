@@ -35,4 +35,4 @@ pub use hysteresis::Hysteresis;
 pub use judge::{judge, sign_off};
 pub use measured::Measured;
 pub use stability::{Sigmas, Stability};
-pub use text::{figure, percent};
+pub use text::{figure, percent, without_dust};

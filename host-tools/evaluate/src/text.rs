@@ -22,9 +22,21 @@ pub fn percent(share: f64) -> String {
     }
 }
 
+/// A difference of this share of the values is rounding.
+const DUST: f64 = 1e-9;
+
+/// A difference, or 0 where it is within the rounding of values as large as `scale`.
+pub fn without_dust(difference: f64, scale: f64) -> f64 {
+    if difference.abs() <= DUST * scale {
+        0.0
+    } else {
+        difference
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use super::figure;
+    use super::{figure, without_dust};
 
     #[test]
     fn figures_have_four_digits() {
@@ -38,5 +50,12 @@ mod tests {
         ] {
             assert_eq!(figure(value), text);
         }
+    }
+
+    #[test]
+    fn only_rounding_is_dust() {
+        assert_eq!(without_dust(1.4e-17, 0.05), 0.0);
+        assert_eq!(without_dust(-3e-4, 0.05), -3e-4);
+        assert!(without_dust(f64::NAN, 0.05).is_nan());
     }
 }

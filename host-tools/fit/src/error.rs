@@ -13,6 +13,17 @@ pub enum FitError {
     /// No log was given.
     #[error("no log was given")]
     NoLogs,
+    /// A log was summarised by another plan.
+    #[error(
+        "{file}: was summarised with another {option}: expected the same for all logs of a fit: \
+         summarise it again"
+    )]
+    Plan {
+        /// The log.
+        file: String,
+        /// The option that differs.
+        option: &'static str,
+    },
     /// The logs do not have the same axes in the same units.
     #[error("the logs do not belong together: {first}, but {other}")]
     Different {

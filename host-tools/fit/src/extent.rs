@@ -50,7 +50,7 @@ pub(crate) fn of(data: &ChannelData, limit_c_per_min: f64) -> Extent {
         heated_c += up_c;
         cooled_c += down_c;
         // The core does not accept them for long, so rows that are not kept count as well.
-        let exclude = &data.logs[log].plan.exclude;
+        let exclude = &data.logs[log].plan.options.exclude;
         let excluded = |block: &Block| {
             let overlaps = |of: &Stretch| of.from_s <= block.to_s && of.to_s >= block.from_s;
             exclude.iter().any(overlaps)

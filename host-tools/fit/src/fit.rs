@@ -13,7 +13,7 @@ use crate::channel_fit::Findings;
 use crate::error::FitError;
 use crate::least_squares::Blocks;
 use crate::method::Method;
-use crate::options::FitOptions;
+use crate::options::{FitOptions, Plan, PlanOptions};
 use crate::outliers;
 use crate::spline::auto::{Answer, Chosen, Question};
 use crate::summary::{ChannelData, LogSummary, summarise_log};
@@ -49,7 +49,7 @@ impl Fit {
 /// Logs that do not belong together, a log without a usable row, too little temperature span,
 /// segments without data.
 pub fn fit(logs: &[Log], options: &FitOptions) -> Result<Fit, FitError> {
-    let plan = options.plan()?;
+    let plan = Plan::new(options.plan.clone())?;
     fit_summaries(
         &parallel::map(logs, |log| summarise_log(log, &plan)),
         options,
@@ -57,26 +57,26 @@ pub fn fit(logs: &[Log], options: &FitOptions) -> Result<Fit, FitError> {
 }
 
 /// Fits a coefficient set to summaries of one or more logs of a unit. Logs that were summarised apart
-/// give the same as logs that were summarised together.
+/// give the same as logs that were summarised together, in whatever order they are given.
 ///
 /// # Errors
-/// Those of [`fit`].
-///
-/// # Panics
-/// If the logs were not summarised by the [plan](FitOptions::plan) of these options.
+/// Those of [`fit`]; a log that was summarised by another plan than the one in the options.
 pub fn fit_summaries(logs: &[LogSummary], options: &FitOptions) -> Result<Fit, FitError> {
+    let mut logs: Vec<&LogSummary> = logs.iter().collect();
+    if logs.len() > 1 {
+        logs.sort_by_cached_key(|log| log.order());
+    }
     let first = logs.first().ok_or(FitError::NoLogs)?;
-    let plan = options.plan()?;
-    assert!(logs.iter().all(|log| log.plan == plan));
-    for log in logs {
+    for log in &logs {
+        check_plan(log, &options.plan)?;
         check_same_axes(first, log)?;
-        check_interval(log, &options.thermal)?;
+        check_interval(log, &options.plan.thermal)?;
     }
 
     let mut warnings = Vec::new();
     let mut channels = Vec::new();
     let mut data: Vec<ChannelData> = (0..first.channels.len())
-        .map(|channel| ChannelData::new(logs, channel))
+        .map(|channel| ChannelData::new(&logs, channel))
         .collect();
     for data in &mut data {
         channels.push(fit_channel(data, options, &mut warnings)?);
@@ -87,17 +87,17 @@ pub fn fit_summaries(logs: &[LogSummary], options: &FitOptions) -> Result<Fit, F
         Provenance {
             tool: build::tool(),
             created: build::now(),
-            inputs: logs.iter().map(input).collect(),
+            inputs: logs.iter().map(|log| input(log)).collect(),
         },
         Settings {
             model: options.method.model(),
             overlap: options.method.overlap(),
-            scale_factor_arcsec: options.scale_factor_arcsec,
+            scale_factor_arcsec: options.plan.scale_factor_arcsec,
             thermal_period_s: periods_s.fold(0.0, f64::max),
         },
         channels,
     );
-    statistics::note(&mut set, &mut data, options.tau_s).map_err(FitError::Settings)?;
+    statistics::note(&mut set, &mut data, options.plan.tau_s).map_err(FitError::Settings)?;
     Ok(Fit { set, warnings })
 }
 
@@ -108,10 +108,11 @@ fn fit_channel(
 ) -> Result<ChannelSet, FitError> {
     // What does not belong goes first, so that no later step sees it.
     check_rows(data)?;
+    let plan = &options.plan;
     let mut outliers =
-        outliers::leave_out(data, &options.thermal, options.robust).map_err(FitError::Settings)?;
+        outliers::leave_out(data, &plan.thermal, plan.robust).map_err(FitError::Settings)?;
     check_rows(data)?;
-    let extent = extent::of(data, options.thermal.max_slew_c_per_min.into());
+    let extent = extent::of(data, plan.thermal.max_slew_c_per_min.into());
     outliers.extent = extent.is_thin().then_some(extent);
     // Without a range of temperature there is nothing to fit.
     let (t_min_c, t_max_c) = data.range(|block| block.effective_range_c);
@@ -133,7 +134,7 @@ fn fit_channel(
     let question = Question {
         data,
         blocks: &blocks,
-        settings: options.thermal,
+        settings: plan.thermal,
         method,
     };
     let folds = question.folds();
@@ -141,11 +142,11 @@ fn fit_channel(
         Method::Segments { model, .. } => {
             let division = (&segmentation, method.overlap());
             let terms = Model::from(*model).terms();
-            let fit = segments::fit(data, options.thermal, terms, division, warnings)?;
+            let fit = segments::fit(data, plan.thermal, terms, division, warnings)?;
             (fit, Chosen::Segments(*model), None)
         }
-        Method::Auto { search, .. } => {
-            let answer = question.answer(*search, &folds)?;
+        Method::Auto { .. } => {
+            let answer = question.answer(plan.search, &folds)?;
             let answer = answer.ok_or_else(|| FitError::Short {
                 files: data.files(),
                 block_s: data.of(0).block_s,
@@ -201,6 +202,32 @@ fn input(log: &LogSummary) -> Input {
         doubts: log.reading.doubts.clone(),
         mapping: log.reading.mapping.clone(),
     }
+}
+
+fn check_plan(log: &LogSummary, options: &PlanOptions) -> Result<(), FitError> {
+    let other = log.plan.options();
+    if other == options {
+        return Ok(());
+    }
+    let differs = [
+        (
+            "--max-slew, --rate-tau or --kappa",
+            other.thermal != options.thermal,
+        ),
+        ("--rate-tau or --kappa", other.search != options.search),
+        ("--exclude", other.exclude != options.exclude),
+        ("--keep-outliers", other.robust != options.robust),
+        (
+            "--scale-factor",
+            other.scale_factor_arcsec != options.scale_factor_arcsec,
+        ),
+        ("--tau", other.tau_s != options.tau_s),
+    ];
+    let differs = differs.iter().find(|(_, differs)| *differs);
+    Err(FitError::Plan {
+        file: log.file.clone(),
+        option: differs.map_or("another option", |(option, _)| option),
+    })
 }
 
 fn check_same_axes(first: &LogSummary, log: &LogSummary) -> Result<(), FitError> {

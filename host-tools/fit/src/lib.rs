@@ -40,4 +40,4 @@ mod testing;
 pub use error::FitError;
 pub use fit::{Fit, fit, fit_summaries};
 pub use method::{LagSearch, Method, SegmentModel, SegmentOverlap};
-pub use options::FitOptions;
+pub use options::{FitOptions, Plan, PlanOptions};

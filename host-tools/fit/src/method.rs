@@ -1,5 +1,6 @@
 //! What is fitted: the form of the model, with what each form leaves to choose.
 
+use serde::{Deserialize, Serialize};
 use tempco_set::{Model, Overlap, Segmentation};
 
 /// What is fitted. Every form has only the choices that it uses.
@@ -19,8 +20,6 @@ pub enum Method {
     /// All cells together, without jump or kink, with the lags, plays and smoothness that the logs
     /// make most likely.
     Auto {
-        /// What is searched.
-        search: LagSearch,
         /// Overlap of the paper's models that it is compared with.
         overlap: SegmentOverlap,
         /// Segments of these.
@@ -74,7 +73,8 @@ impl From<SegmentOverlap> for Overlap {
 }
 
 /// What is searched of the first lag; what is not stays as in the settings of the thermal path.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct LagSearch {
     /// Time constant of the rate estimator.
     pub tau: bool,
@@ -113,9 +113,8 @@ impl From<Model> for Method {
 }
 
 impl Method {
-    /// The default: everything searched.
+    /// The default.
     pub const AUTO: Self = Self::Auto {
-        search: LagSearch::ALL,
         overlap: SegmentOverlap::Linear,
         segmentation: None,
     };

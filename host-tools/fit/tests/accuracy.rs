@@ -2,7 +2,7 @@
 
 mod worlds;
 
-use tempco_fit::{FitOptions, LagSearch, Method, SegmentModel, SegmentOverlap, fit};
+use tempco_fit::{FitOptions, Method, SegmentModel, SegmentOverlap, fit};
 use tempco_set::run::apply;
 use tempco_set::{CoefficientSet, Model};
 
@@ -23,7 +23,6 @@ fn options(model: Model) -> FitOptions {
             segmentation,
         },
         Model::Spline | Model::Auto => Method::Auto {
-            search: LagSearch::ALL,
             overlap,
             segmentation,
         },

@@ -5,7 +5,7 @@ mod worlds;
 
 use tempco::{Compensator, Interval, Table, Terms, Thermal, ThermalSettings};
 use tempco_fit::summary::summarise_log;
-use tempco_fit::{Fit, FitOptions, LagSearch, Method, SegmentOverlap, fit, fit_summaries};
+use tempco_fit::{Fit, FitOptions, LagSearch, Method, Plan, fit, fit_summaries};
 use tempco_log::{AxisUnit, Log};
 use tempco_set::run::apply;
 use tempco_set::{ChannelSet, CoefficientSet, GainSet, Warning, WarningCode, load_set, table_rs};
@@ -211,19 +211,13 @@ fn few_soaks_and_ramps_give_neither_rate_terms_nor_history() {
 fn lags_that_are_given_stay() {
     let log = run(WHOLE, ChamberRun::Verification, 1, CALM);
     let (tau_s, kappa) = (90.0, 0.3);
-    let given = |tau: bool, kappa: bool| Method::Auto {
-        search: LagSearch { tau, kappa },
-        overlap: SegmentOverlap::Linear,
-        segmentation: None,
-    };
     for (tau, searches_kappa) in [(false, false), (true, false), (false, true)] {
-        let options = FitOptions {
-            thermal: ThermalSettings {
-                tau_s,
-                kappa,
-                ..ThermalSettings::DEFAULT
-            },
-            ..FitOptions::new("SIMULATED", given(tau, searches_kappa))
+        let mut options = FitOptions::new("SIMULATED", Method::AUTO);
+        options.plan.thermal.tau_s = tau_s;
+        options.plan.thermal.kappa = kappa;
+        options.plan.search = LagSearch {
+            tau,
+            kappa: searches_kappa,
         };
         let set = fit(std::slice::from_ref(&log), &options).unwrap().set;
         let thermal = &set.channels[0].table.thermal;
@@ -251,7 +245,7 @@ fn the_same_logs_give_the_same_set() {
     assert_eq!(first, second);
     // So do summaries that were made apart.
     let options = FitOptions::new("SIMULATED", Method::AUTO);
-    let plan = options.plan().unwrap();
+    let plan = Plan::new(options.plan.clone()).unwrap();
     let summaries = [summarise_log(&log, &plan)];
     assert_eq!(
         timeless(fit_summaries(&summaries, &options).unwrap().set),
@@ -259,8 +253,8 @@ fn the_same_logs_give_the_same_set() {
     );
 }
 
-/// The set of two logs, in either order and in another unit. The search ends where steps gain
-/// little, which rounding moves.
+/// The set of two logs, in either order and in another unit. In another unit rounding differs, which
+/// moves where the search ends: where steps gain little.
 #[test]
 fn order_of_logs_and_units_do_not_matter() {
     let logs = [
@@ -276,25 +270,25 @@ fn order_of_logs_and_units_do_not_matter() {
     }
     let options = FitOptions::new("SIMULATED", Method::AUTO);
     let [set, turned, dps] = [&logs, &turned, &dps].map(|logs| fit(logs, &options).unwrap().set);
-    for (other, scale) in [(&turned, 1.0), (&dps, 3600.0)] {
-        let (a, b) = (&set.channels[0], &other.channels[0]);
-        assert!(a.table.has_second_lag());
-        let lags = |of: &ChannelSet| {
-            let of = &of.table.thermal;
-            [of.tau_s, of.tau2_s, of.kappa, of.play_kappa]
-        };
-        for (a, b) in lags(a).into_iter().zip(lags(b)) {
-            println!("{a} {b}");
-            assert!((b / a - 1.0).abs() < 0.03, "{a} {b}");
-        }
-        let gains = |of: &ChannelSet| -> Vec<f64> {
-            let plays = of.axes[0].gains.iter().map(|of| of.gain);
-            plays.chain(lag2_gains(of)).collect()
-        };
-        for (a, b) in gains(a).iter().zip(gains(b)) {
-            println!("{a} {}", b * scale);
-            assert!((b * scale / a - 1.0).abs() < 0.1, "{a:?} {b:?}");
-        }
+    assert_eq!(timeless(turned), timeless(set.clone()));
+    let scale = 3600.0;
+    let (a, b) = (&set.channels[0], &dps.channels[0]);
+    assert!(a.table.has_second_lag());
+    let lags = |of: &ChannelSet| {
+        let of = &of.table.thermal;
+        [of.tau_s, of.tau2_s, of.kappa, of.play_kappa]
+    };
+    for (a, b) in lags(a).into_iter().zip(lags(b)) {
+        println!("{a} {b}");
+        assert!((b / a - 1.0).abs() < 0.03, "{a} {b}");
+    }
+    let gains = |of: &ChannelSet| -> Vec<f64> {
+        let plays = of.axes[0].gains.iter().map(|of| of.gain);
+        plays.chain(lag2_gains(of)).collect()
+    };
+    for (a, b) in gains(a).iter().zip(gains(b)) {
+        println!("{a} {}", b * scale);
+        assert!((b * scale / a - 1.0).abs() < 0.1, "{a:?} {b:?}");
     }
 }
 

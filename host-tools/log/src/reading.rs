@@ -2,11 +2,14 @@
 
 use std::fmt;
 
+use serde::{Deserialize, Serialize};
+
 use super::doubt::Doubt;
 use super::mapping::Mapping;
 
 /// What was found in a log that a plain log does not have, and how it was read therefore.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Reading {
     /// The logger that writes such a log.
     pub layout: Option<String>,

@@ -50,15 +50,16 @@ pub struct Report {
 }
 
 impl Report {
-    /// Draws and writes the report.
+    /// Draws and writes the report. Where no rows were gathered it has no figures of rows, and says
+    /// so.
     ///
     /// # Errors
     /// A figure that could not be drawn.
-    pub fn new(subject: Subject, gathered: Gatherer) -> Result<Self, ReportError> {
-        let gathered = gathered.finish();
-        let figures = Figures::draw(subject.set, &gathered)?;
+    pub fn new(subject: Subject, gathered: Option<Gatherer>) -> Result<Self, ReportError> {
+        let gathered = gathered.map(Gatherer::finish);
+        let figures = Figures::draw(subject.set, gathered.as_ref())?;
         Ok(Self {
-            html: page::page(&subject, &gathered, &figures),
+            html: page::page(&subject, gathered.as_ref(), &figures),
             figures: figures
                 .all()
                 .map(|figure| (format!("{}.svg", figure.name), figure.file()))

@@ -6,7 +6,7 @@
 use anyhow::Result;
 use serde::Serialize;
 use tempco::{Terms, Thermal, ThermalSettings};
-use tempco_fit::{FitOptions, Method, fit};
+use tempco_fit::{FitOptions, Method, PlanOptions, fit};
 use tempco_log::{Log, parallel};
 use tempco_set::run::thermal_points;
 use tempco_set::{AxisSet, CoefficientSigmas, Polynomial};
@@ -93,7 +93,7 @@ pub(crate) fn print(shares: &[Share]) {
 
 fn counts(replicas: u64, walk: f64) -> Result<Counts> {
     let options = options();
-    let log = exact(&options.thermal)?;
+    let log = exact(&options.plan.thermal)?;
     let seeds: Vec<u64> = (1..=replicas).collect();
     let of_replicas = parallel::map(&seeds, |&seed| {
         let log = noisy(&log, seed, walk);
@@ -120,7 +120,10 @@ fn options() -> FitOptions {
         ..ThermalSettings::DEFAULT
     };
     FitOptions {
-        thermal,
+        plan: PlanOptions {
+            thermal,
+            ..PlanOptions::default()
+        },
         ..FitOptions::new("TRIAL", Method::AUTO)
     }
 }
@@ -219,11 +222,9 @@ mod tests {
 
     #[test]
     fn without_noise_the_truth_is_found() {
-        let options = FitOptions {
-            robust: false,
-            ..options()
-        };
-        let log = exact(&options.thermal).unwrap();
+        let mut options = options();
+        options.plan.robust = false;
+        let log = exact(&options.plan.thermal).unwrap();
         let set = fit(std::slice::from_ref(&log), &options).unwrap().set;
         for found in &set.channels[0].axes[0].polynomials {
             let truth = truth(found);
@@ -250,7 +251,7 @@ mod tests {
     #[test]
     fn narrow_intervals_are_caught() {
         let options = options();
-        let exact = exact(&options.thermal).unwrap();
+        let exact = exact(&options.plan.thermal).unwrap();
         let (mut inside, mut all) = (0, 0);
         for seed in 1..=40 {
             let log = noisy(&exact, seed, 0.0);

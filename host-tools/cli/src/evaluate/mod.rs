@@ -132,7 +132,7 @@ fn write_report(
         evaluation: Some(evaluation),
         judgement,
     };
-    let report = Report::new(subject, gathered)?;
+    let report = Report::new(subject, Some(gathered))?;
     if let Some(folder) = &args.figures {
         write_figures(&report, folder)?;
     }

@@ -10,7 +10,9 @@ use thiserror::Error;
 use super::SUMMARY_FILES;
 
 /// Endings of files that are taken for logs, in lower case.
-const LOG_ENDINGS: [&str; 6] = [".csv", ".csv.gz", ".csv.zst", ".parquet", ".ulg", ".bin"];
+const LOG_ENDINGS: [&str; 7] = [
+    ".csv", ".csv.gz", ".csv.zst", ".parquet", ".ulg", ".bin", ".summary",
+];
 
 /// A unit and its logs.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -26,7 +28,7 @@ pub struct UnitLogs {
 /// A sub-folder is a unit: its name is the serial number, the logs are the files directly in it. A
 /// log directly in `folder` belongs to the unit that its name starts with, up to the first `_` or
 /// `.`: `SN7.csv` and `SN7_run2.csv.gz` are logs of `SN7`. Logs end in `.csv`, `.csv.gz`,
-/// `.csv.zst`, `.parquet`, `.ulg` or `.bin`. Names that start with a dot are passed over, and so are the folder
+/// `.csv.zst`, `.parquet`, `.ulg`, `.bin` or `.summary`. Names that start with a dot are passed over, and so are the folder
 /// `out`, to which sets are written, and the summary in it.
 ///
 /// # Errors
@@ -102,7 +104,7 @@ pub enum FindError {
     #[error(
         "{}: no units: expected a sub-folder per serial number, or logs named SERIAL.csv or \
          SERIAL_*.csv (also .csv.gz, .csv.zst, .parquet, \
-         .ulg, .bin)",
+         .ulg, .bin, .summary)",
         folder.display()
     )]
     NoUnits {

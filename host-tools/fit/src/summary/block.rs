@@ -1,14 +1,16 @@
 //! Means and second moments of some rows, which merge.
 
+use serde::{Deserialize, Serialize};
+
 /// Mean of a column over some rows, and its sum of squares about that mean.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Spread {
     pub(crate) mean: f64,
     pub(crate) squares: f64,
 }
 
 /// Lowest and highest value.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Extremes {
     pub(crate) low: f32,
     pub(crate) high: f32,
@@ -32,7 +34,7 @@ impl Extremes {
 
 /// Some rows of a channel: all that least squares in `1, u, u^2, T', u T'` needs of them as long as
 /// they count as one, and what is left of the axes beside their means.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Moments {
     /// Number of rows.
     pub(crate) rows: u64,

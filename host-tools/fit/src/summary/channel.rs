@@ -3,10 +3,11 @@
 use tempco::{Thermal, ThermalPoint, ThermalState};
 use tempco_set::run::{IntervalCache, Updates, is_usable, thermal_period_s};
 
+use crate::options::Plan;
 use crate::outliers::{SpikeFilter, window_rows};
+use crate::summary::ChannelSummary;
 use crate::summary::block::Rows;
 use crate::summary::grid::{Grid, MOST_BLOCKS};
-use crate::summary::{ChannelSummary, Plan};
 
 /// Runs the rows of a channel through the core and the filter of spikes into blocks.
 pub(super) struct ChannelSummariser<'a> {
@@ -49,7 +50,7 @@ impl<'a> ChannelSummariser<'a> {
             window: Rows::with_capacity(axes, window_rows),
             spare: None,
             window_rows,
-            spikes: plan.robust.then(|| SpikeFilter::new(axes)),
+            spikes: plan.options.robust.then(|| SpikeFilter::new(axes)),
             grid: Grid::new(axes, first_s - 0.5 * interval_s, plan.block_s, MOST_BLOCKS),
             unusable_rows: 0,
             excluded_rows: 0,
@@ -110,7 +111,7 @@ impl<'a> ChannelSummariser<'a> {
         (self.updates, self.point, self.held_c) = (updates, point, held);
         rows.keep
             .extend_from_slice(&rows.accepted[rows.keep.len()..]);
-        for stretch in &self.plan.exclude {
+        for stretch in &self.plan.options.exclude {
             let first = rows.time_s.len() - time_s.len();
             for (time_s, keep) in rows.time_s[first..].iter().zip(&mut rows.keep[first..]) {
                 let excluded = *keep && (stretch.from_s..=stretch.to_s).contains(time_s);

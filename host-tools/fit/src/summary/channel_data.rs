@@ -4,7 +4,7 @@ use crate::summary::{Block, ChannelSummary, Extremes, LogSummary, Moments};
 
 /// The blocks of one channel in all logs, and which of them are fitted.
 pub(crate) struct ChannelData<'a> {
-    pub(crate) logs: &'a [LogSummary],
+    pub(crate) logs: &'a [&'a LogSummary],
     pub(crate) channel: usize,
     /// For each log and block, whether it may enter a fit.
     pub(crate) keep: Vec<Vec<bool>>,
@@ -27,7 +27,7 @@ pub(crate) struct Offset {
 
 impl<'a> ChannelData<'a> {
     /// The blocks with any rows.
-    pub(crate) fn new(logs: &'a [LogSummary], channel: usize) -> Self {
+    pub(crate) fn new(logs: &'a [&'a LogSummary], channel: usize) -> Self {
         let keep = logs.iter().map(|log| {
             let blocks = log.channels[channel].blocks.iter();
             blocks.map(|block| block.moments.rows > 0).collect()

@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use serde::{Deserialize, Serialize};
+
 use crate::summary::block::{Moments, Rows};
 
 /// Samples in a block.
@@ -11,7 +13,7 @@ pub(crate) const SAMPLES_PER_BLOCK: u32 = 10;
 pub(crate) const MOST_BLOCKS: usize = 1 << 14;
 
 /// The kept rows of a stretch of time.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Block {
     /// Position on the grid.
     number: u64,
@@ -24,7 +26,7 @@ pub(crate) struct Block {
 }
 
 /// The mean temperature of a tenth of a block.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Sample {
     number: u64,
     /// Mean time of its rows \[s\].

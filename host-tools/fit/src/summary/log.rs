@@ -6,8 +6,9 @@ use std::path::Path;
 use tempco_log::signals::Signals;
 use tempco_log::{Chunk, Intervals, Log, LogError, LogStream, ReadOptions};
 
+use crate::options::Plan;
 use crate::summary::channel::ChannelSummariser;
-use crate::summary::{AxisName, ChannelSummary, LogSummary, Plan, signals};
+use crate::summary::{AxisName, ChannelSummary, LogSummary, signals};
 
 /// Rows from which the interval is taken that the core's first step and the grid start with.
 const FIRST_ROWS: usize = 4096;
@@ -107,7 +108,7 @@ pub fn summarise_log(log: &Log, plan: &Plan) -> LogSummary {
         let mut signals = Signals::new(axes.len());
         signals::take(
             &mut signals,
-            &plan.exclude,
+            &plan.options.exclude,
             &log.time_s,
             &channel.temp_c,
             &axes,
@@ -182,7 +183,7 @@ impl<'a> LogSummariser<'a> {
             let axes = chunk.axes[channel.axes.clone()].iter();
             let axes: Vec<&[f64]> = axes.map(|a| &a[..]).collect();
             channel.summariser.take(&chunk.time_s, temp_c, &axes);
-            let (signals, exclude) = (&mut channel.signals, &self.plan.exclude);
+            let (signals, exclude) = (&mut channel.signals, &self.plan.options.exclude);
             signals::take(signals, exclude, &chunk.time_s, temp_c, &axes);
         }
     }

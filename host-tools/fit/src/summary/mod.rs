@@ -15,6 +15,7 @@
 mod block;
 mod channel;
 mod channel_data;
+mod file;
 mod grid;
 mod log;
 mod signals;
@@ -23,27 +24,18 @@ mod tests;
 
 pub(crate) use block::{Extremes, Moments, Rows};
 pub(crate) use channel_data::{ChannelData, Offset};
+pub use file::{SummaryError, is_summary, read_summary};
 pub(crate) use grid::Block;
 use grid::Sample;
 pub use log::{summarise_file, summarise_log};
 
+use serde::{Deserialize, Serialize};
 use tempco::{Interval, Thermal, ThermalPoint, ThermalState};
 use tempco_log::signals::Finding;
 use tempco_log::{AxisUnit, Reading, SkippedRows};
-use tempco_set::Stretch;
 use tempco_set::run::IntervalCache;
 
-/// What must be known before a log is summarised; see [`FitOptions::plan`](crate::FitOptions::plan).
-#[derive(Clone, Debug, PartialEq)]
-pub struct Plan {
-    /// Settings of the thermal path, with limits that no rate reaches.
-    pub(crate) thermal: Thermal,
-    pub(crate) exclude: Vec<Stretch>,
-    /// Whether spikes are left out.
-    pub(crate) robust: bool,
-    /// Length of a block, as long as the log is not too long \[s\].
-    pub(crate) block_s: f64,
-}
+use crate::options::Plan;
 
 /// A summarised log.
 #[derive(Clone, Debug, PartialEq)]
@@ -68,6 +60,31 @@ impl LogSummary {
         &self.file
     }
 
+    /// By what it was summarised.
+    pub fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    /// SHA-256 of the log's bytes, in hexadecimal.
+    pub fn sha256(&self) -> &str {
+        &self.sha256
+    }
+
+    /// Number of rows.
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// Median time between rows \[s\].
+    pub fn interval_s(&self) -> f64 {
+        self.interval_s
+    }
+
+    /// Time from the first row to the last \[s\].
+    pub fn duration_s(&self) -> f64 {
+        self.duration_s
+    }
+
     /// How it was read.
     pub fn reading(&self) -> &Reading {
         &self.reading
@@ -85,7 +102,7 @@ impl LogSummary {
 }
 
 /// A summarised temperature with its axes.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct ChannelSummary {
     /// Name of the temperature column.
     pub(crate) column: String,
@@ -107,7 +124,7 @@ pub(crate) struct ChannelSummary {
 }
 
 /// The spikes of an axis.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Spiked {
     pub(crate) rows: usize,
     /// Time of the first and the last one \[s\].
@@ -116,7 +133,7 @@ pub(crate) struct Spiked {
 }
 
 /// An axis as it is called in the log.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct AxisName {
     pub(crate) name: String,
     pub(crate) unit: AxisUnit,

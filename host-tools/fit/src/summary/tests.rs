@@ -14,7 +14,7 @@ use super::*;
 use crate::least_squares::RFactor;
 use crate::summary::ChannelData;
 use crate::testing::white;
-use crate::{FitOptions, fit, fit_summaries};
+use crate::{FitOptions, PlanOptions, fit, fit_summaries};
 
 /// Rows of a channel with one axis, at irregular times, some not kept.
 fn rows(count: usize, interval_s: f64, seed: u64) -> Rows {
@@ -154,7 +154,7 @@ fn coefficients(set: &tempco_set::CoefficientSet) -> Vec<(f64, f64)> {
 #[test]
 fn summaries_of_files_are_fitted_like_the_logs() {
     let options = FitOptions::new("SUMMARY", Model::Composite);
-    let plan = options.plan().unwrap();
+    let plan = Plan::new(options.plan.clone()).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let mut logs = Vec::new();
     let mut summaries = Vec::new();
@@ -177,6 +177,14 @@ fn summaries_of_files_are_fitted_like_the_logs() {
     }
     let expected = fit(&logs, &options).unwrap();
     let found = fit_summaries(&summaries, &options).unwrap();
+    summaries.reverse();
+    let turned = fit_summaries(&summaries, &options).unwrap();
+    assert_eq!(coefficients(&turned.set), coefficients(&found.set));
+    let bytes: Vec<Vec<u8>> = summaries.iter().map(LogSummary::to_bytes).collect();
+    let read = bytes
+        .iter()
+        .map(|bytes| LogSummary::from_bytes(bytes).unwrap());
+    assert_eq!(read.collect::<Vec<_>>(), summaries);
     assert_eq!(found.judge(), expected.judge());
     let inputs = |set: &tempco_set::CoefficientSet| set.provenance.inputs.clone();
     assert_eq!(inputs(&found.set), inputs(&expected.set));
@@ -188,15 +196,92 @@ fn summaries_of_files_are_fitted_like_the_logs() {
             "{found} {expected}"
         );
     }
-    summaries.reverse();
-    let turned = coefficients(&fit_summaries(&summaries, &options).unwrap().set);
-    let whole = fit(&logs, &options).unwrap().set;
-    for ((found, _), (expected, sigma)) in turned.into_iter().zip(coefficients(&whole)) {
-        assert!(
-            (found - expected).abs() <= 1e-6 * sigma,
-            "{found} {expected}"
-        );
+}
+
+/// A summary that was made with another option than the fit.
+#[test]
+fn a_foreign_plan_is_refused() {
+    let log = simulated(1, 2.0);
+    let options = FitOptions::new("SUMMARY", Model::Composite);
+    type Change = fn(&mut PlanOptions);
+    let changes: [(Change, &str); 7] = [
+        (|of| of.thermal.max_slew_c_per_min = 3.0, "--max-slew"),
+        (|of| of.thermal.kappa = 0.3, "--kappa"),
+        (|of| of.search.tau = false, "--rate-tau"),
+        (
+            |of| {
+                of.exclude = vec![tempco_set::Stretch {
+                    from_s: 1.0,
+                    to_s: 2.0,
+                }];
+            },
+            "--exclude",
+        ),
+        (|of| of.robust = false, "--keep-outliers"),
+        (|of| of.scale_factor_arcsec = Some(0.5), "--scale-factor"),
+        (|of| of.tau_s = 10.0, "another --tau:"),
+    ];
+    for (change, option) in changes {
+        let mut plan = PlanOptions::default();
+        change(&mut plan);
+        let summary = summarise_log(&log, &Plan::new(plan).unwrap());
+        let error = fit_summaries(&[summary], &options).unwrap_err().to_string();
+        assert!(error.contains(option), "{error}");
     }
+}
+
+/// Cut short at every length, and with every byte of its front or one of the rest changed.
+#[test]
+fn a_summary_that_was_changed_is_refused() {
+    let log = simulated(1, 2.0);
+    let plan = Plan::new(PlanOptions::default()).unwrap();
+    let bytes = summarise_log(&log, &plan).to_bytes();
+    let refused = |bytes: &[u8], expected: &str| {
+        let error = LogSummary::from_bytes(bytes).unwrap_err();
+        assert!(error.contains(expected), "{error}");
+    };
+    for length in (0..100).chain((100..bytes.len()).step_by(997)) {
+        let expected = if length < 24 { "no summary" } else { "cut off" };
+        refused(&bytes[..length], expected);
+    }
+    refused(&[&bytes[..], &[0]].concat(), "cut off");
+    for at in (0..100).chain((100..bytes.len()).step_by(997)) {
+        let mut changed = bytes.clone();
+        changed[at] ^= 1;
+        let expected = match at {
+            0..8 => "no summary",
+            8..12 => "version",
+            12..24 => "cut off",
+            _ => "checksum",
+        };
+        refused(&changed, expected);
+    }
+}
+
+/// With a right checksum, too.
+#[test]
+fn blocks_that_do_not_fit_together_are_refused() {
+    let log = simulated(1, 2.0);
+    let plan = Plan::new(PlanOptions::default()).unwrap();
+    let good = summarise_log(&log, &plan);
+    let changes: [fn(&mut ChannelSummary); 7] = [
+        |of| of.blocks[3].samples.end += 1,
+        |of| of.blocks.truncate(3),
+        |of| of.samples.truncate(3),
+        |of| of.axes.truncate(1),
+        |of| of.white_sigmas.truncate(1),
+        |of| of.spiked.truncate(1),
+        |of| of.block_s = f64::NAN,
+    ];
+    for change in changes {
+        let mut summary = good.clone();
+        change(&mut summary.channels[0]);
+        let error = LogSummary::from_bytes(&summary.to_bytes()).unwrap_err();
+        assert!(error.contains("do not fit together"), "{error}");
+    }
+    let mut summary = good;
+    summary.channels.clear();
+    assert!(LogSummary::from_bytes(&summary.to_bytes()).is_err());
 }
 
 /// The largest share of their standard deviations by which coefficients on samples differ from
@@ -216,19 +301,19 @@ fn regressors_from_samples_are_as_good_as_those_from_rows() {
     let first_c = temps_c[0];
     temps_c[..20].fill(first_c);
     for (tau_s, kappa) in [(30.0, 0.5), (60.0, 0.0), (300.0, 1.0)] {
-        let options = FitOptions {
-            thermal: ThermalSettings {
-                tau_s,
-                kappa,
-                ..ThermalSettings::DEFAULT
-            },
-            ..FitOptions::new("SAMPLES", Model::Composite)
+        let thermal = ThermalSettings {
+            tau_s,
+            kappa,
+            ..ThermalSettings::DEFAULT
         };
-        let summaries = [summarise_log(&log, &options.plan().unwrap())];
+        let options = PlanOptions {
+            thermal,
+            ..PlanOptions::default()
+        };
+        let summary = summarise_log(&log, &Plan::new(options).unwrap());
+        let summaries = [&summary];
         let data = ChannelData::new(&summaries, 0);
-        let points = data
-            .of(0)
-            .points(&with_every_rate(options.thermal).unwrap());
+        let points = data.of(0).points(&with_every_rate(thermal).unwrap());
         let [mut of_rows, mut of_samples] = [(); 2].map(|()| RFactor::new(COMPOSITE, 3));
         let mut rate_squares = 0.0;
         for (_, _, block) in data.blocks() {

@@ -22,13 +22,15 @@ use crate::gather::Gathered;
 
 /// All figures of a report.
 pub(crate) struct Figures {
-    /// Time by temperature and rate, of each channel.
+    /// Time by temperature and rate, of each channel; none without rows.
     pub(crate) coverage: Vec<Figure>,
-    /// Of each axis.
+    /// Of the rows, for each axis; none without rows.
     pub(crate) axes: Vec<AxisFigures>,
+    /// The segments, for each axis.
+    pub(crate) segments: Vec<Figure>,
 }
 
-/// The figures of one axis.
+/// The figures of the rows of one axis.
 pub(crate) struct AxisFigures {
     pub(crate) bias: Figure,
     pub(crate) traces: Figure,
@@ -36,18 +38,24 @@ pub(crate) struct AxisFigures {
     pub(crate) over_temperature: Figure,
     pub(crate) over_rate: Figure,
     pub(crate) allan: Figure,
-    pub(crate) segments: Figure,
 }
 
 impl Figures {
-    pub(crate) fn draw(set: &CoefficientSet, gathered: &Gathered) -> Result<Self, ReportError> {
-        let channels = set.channels.iter().zip(&gathered.channels);
+    pub(crate) fn draw(
+        set: &CoefficientSet,
+        gathered: Option<&Gathered>,
+    ) -> Result<Self, ReportError> {
+        let of_channels = gathered.map_or(&[][..], |gathered| &gathered.channels);
+        let channels = set.channels.iter().zip(of_channels);
         let coverage = channels.map(|(channel, shown)| coverage::draw(channel, &shown.map));
-        let mut axes = Vec::new();
-        for (number, ((position, axis), shown)) in set.axes().zip(&gathered.axes).enumerate() {
+        let (mut axes, mut of_segments) = (Vec::new(), Vec::new());
+        for (number, (position, axis)) in set.axes().enumerate() {
             let channel = &set.channels[position];
             let first = set.axes().position(|(p, _)| p == position).unwrap_or(0);
+            of_segments.push(segments::draw(channel, number - first)?);
+            let Some(gathered) = gathered else { continue };
             let temps_c = &gathered.channels[position].temps_c;
+            let shown = &gathered.axes[number];
             axes.push(AxisFigures {
                 bias: bias::draw(channel, number - first, shown)?,
                 traces: traces::draw(axis, temps_c, gathered, shown)?,
@@ -55,12 +63,12 @@ impl Figures {
                 over_temperature: residual::over_temperature(axis, shown)?,
                 over_rate: residual::over_rate(axis, shown)?,
                 allan: allan::draw(axis, gathered.tau_s, shown)?,
-                segments: segments::draw(channel, number - first)?,
             });
         }
         Ok(Self {
             coverage: coverage.collect::<Result<_, _>>()?,
             axes,
+            segments: of_segments,
         })
     }
 
@@ -73,7 +81,7 @@ impl Figures {
             .chain(of_axis(|axis| &axis.over_temperature))
             .chain(of_axis(|axis| &axis.over_rate))
             .chain(of_axis(|axis| &axis.allan))
-            .chain(of_axis(|axis| &axis.segments))
+            .chain(&self.segments)
             .chain(&self.coverage)
     }
 }

@@ -18,7 +18,7 @@ use crate::gather::{Gathered, MOST_CLUSTERS};
 use crate::text::seconds;
 
 /// The whole page.
-pub(crate) fn page(subject: &Subject, gathered: &Gathered, figures: &Figures) -> String {
+pub(crate) fn page(subject: &Subject, gathered: Option<&Gathered>, figures: &Figures) -> String {
     let set = subject.set;
     let what = match subject.evaluation {
         Some(_) => "Verification",
@@ -29,7 +29,31 @@ pub(crate) fn page(subject: &Subject, gathered: &Gathered, figures: &Figures) ->
         &title,
         html! {
             (summary::summary(subject))
-            (sections(subject, gathered, figures))
+            @match gathered {
+                Some(gathered) => (of_rows(subject, gathered, figures)),
+                None => section {
+                    h2 { "Figures of the logs" }
+                    p { "The set was fitted to summaries, which have no rows: figures of rows are left "
+                        "out. To see them, run " code { "tempco evaluate" } " over a log of the unit, "
+                        "with " code { "--report" } "." }
+                    (tables::uncertainty(set))
+                },
+            }
+            section {
+                h2 { "Segments and boundaries" }
+                div.figures { @for axis in &figures.segments { figure { (axis.inline()) } } }
+                (tables::boundaries(set))
+            }
+            section {
+                h2 { "Coverage" }
+                @if let Some(gathered) = gathered {
+                    p { "Where the logs of this report were in temperature and rate. Outside of the "
+                        "frame the set is held at its edge." }
+                    div.figures { @for map in &figures.coverage { figure { (map.inline()) } } }
+                    @if subject.evaluation.is_none() { (record_next::record_next(set, gathered)) }
+                }
+                (tables::coverage(set))
+            }
             (tables::models(set))
             (coefficients::coefficients(set))
             (provenance::provenance(subject))
@@ -37,7 +61,8 @@ pub(crate) fn page(subject: &Subject, gathered: &Gathered, figures: &Figures) ->
     )
 }
 
-fn sections(subject: &Subject, gathered: &Gathered, figures: &Figures) -> Markup {
+/// What the rows of the logs show.
+fn of_rows(subject: &Subject, gathered: &Gathered, figures: &Figures) -> Markup {
     let set = subject.set;
     let tau = seconds(gathered.tau_s);
     let has_history = set.channels.iter().any(|of| of.table.has_history());
@@ -78,19 +103,6 @@ fn sections(subject: &Subject, gathered: &Gathered, figures: &Figures) -> Markup
                 "of more than " (MOST_CLUSTERS) " rows, of adjacent means at the shortest times." }
             (of_axes(|axis| &axis.allan))
             @if let Some(evaluation) = subject.evaluation { (tables::allan(evaluation)) }
-        }
-        section {
-            h2 { "Segments and boundaries" }
-            (of_axes(|axis| &axis.segments))
-            (tables::boundaries(set))
-        }
-        section {
-            h2 { "Coverage" }
-            p { "Where the logs of this report were in temperature and rate. Outside of the frame the "
-                "set is held at its edge." }
-            div.figures { @for map in &figures.coverage { figure { (map.inline()) } } }
-            @if subject.evaluation.is_none() { (record_next::record_next(set, gathered)) }
-            (tables::coverage(set))
         }
     }
 }

@@ -1,7 +1,7 @@
 //! The tables below the figures.
 
 use maud::{Markup, html};
-use tempco_evaluate::{Evaluation, figure};
+use tempco_evaluate::{Evaluation, figure, without_dust};
 use tempco_set::{AxisSet, Candidate, ChannelSet, CoefficientSet, HeldOutErrors, SegmentSet};
 
 use super::document::{axis_cell, cell, table};
@@ -60,12 +60,12 @@ pub(super) fn boundaries(set: &CoefficientSet) -> Markup {
                     "{:.2} to {:.2}",
                     boundary.t_min_c, boundary.t_max_c
                 )),
-                cell(figure(boundary.overlap_mismatch)),
+                cell(figure(without_dust(boundary.overlap_mismatch, range))),
                 cell(format!(
                     "{:.1} %",
                     100.0 * boundary.overlap_mismatch / range
                 )),
-                cell(figure(boundary.jump)),
+                cell(figure(without_dust(boundary.jump, range))),
             ]);
         }
     }

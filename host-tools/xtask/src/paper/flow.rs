@@ -124,10 +124,8 @@ fn simulate(unit: &Unit, profile: &Profile, seed: u64) -> Result<Log> {
 }
 
 fn calibrate(logs: &[Log], method: Method) -> Result<CoefficientSet> {
-    let options = FitOptions {
-        tau_s: TAU_S,
-        ..FitOptions::new("PAPER", method)
-    };
+    let mut options = FitOptions::new("PAPER", method);
+    options.plan.tau_s = TAU_S;
     Ok(fit(logs, &options)?.set)
 }
 
