@@ -71,7 +71,7 @@ pub(crate) fn gather(
     for found in logs {
         gatherer.begin_log();
         let mut shown = 0;
-        apply_to_file(set, &found.log, options, |time_s, applied, bytes| {
+        apply_to_file(set, &found.log, options, |time_s, _, applied, bytes| {
             gatherer.push(time_s, applied);
             progress.add(bytes - shown);
             shown = bytes;

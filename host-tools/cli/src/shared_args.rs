@@ -10,8 +10,8 @@ use tempco_evaluate::TAU_RANGE_S;
 use tempco_fit::Plan;
 use tempco_fit::summary::{LogSummary, is_summary, read_summary, summarise_file};
 use tempco_log::{
-    Log, LogError, Mapping, ReadOptions, Reading, SkippedRows, list_names, parallel,
-    read_log_observed,
+    Log, LogError, Mapping, ReadOptions, Reading, SkippedRows, Survey, list_names, parallel,
+    read_log_observed, survey_log_observed,
 };
 use tempco_set::{CoefficientSet, SCALE_FACTORS_ARCSEC, check_folder, load_set, set_of_image};
 
@@ -36,16 +36,33 @@ pub(crate) struct SetAndLog {
 impl SetAndLog {
     /// Reads both; pulses become angles by the scale factor of the set, unless another is given.
     pub(crate) fn read(&self) -> Result<(CoefficientSet, Log)> {
+        self.both(|set| self.reading.read(&self.log, set), |log| log)
+    }
+
+    /// The same, without keeping the rows; also says how to read these.
+    pub(crate) fn survey(&self) -> Result<(CoefficientSet, (Survey, ReadOptions))> {
+        self.both(
+            |set| self.reading.survey(&self.log, set),
+            |(survey, _)| &survey.head,
+        )
+    }
+
+    /// Reads the set, then the log.
+    fn both<T>(
+        &self,
+        read: impl FnOnce(Option<&CoefficientSet>) -> Result<T>,
+        log: impl FnOnce(&T) -> &Log,
+    ) -> Result<(CoefficientSet, T)> {
         if is_image(&self.set) {
             // Before the log, which may be long.
             check_folder(&self.set)?;
             let image = Placed::read(&self.set)?;
-            let log = self.reading.read(&self.log, None)?;
-            return Ok((set_for(&self.set, &image, &log)?, log));
+            let of_log = read(None)?;
+            return Ok((set_for(&self.set, &image, log(&of_log))?, of_log));
         }
         let set = load_set(&self.set)?;
-        let log = self.reading.read(&self.log, Some(&set))?;
-        Ok((set, log))
+        let of_log = read(Some(&set))?;
+        Ok((set, of_log))
     }
 }
 
@@ -139,6 +156,31 @@ impl LogArgs {
         let options = self.options(set)?;
         let log = read_log_observed(path, &options, |bytes| progress.add(bytes))?;
         drop(progress);
+        Self::check(path, &options, &log, set)?;
+        Ok(log)
+    }
+
+    /// Reads a log as [`read`](Self::read) does, without keeping its rows.
+    fn survey(&self, path: &Path, set: Option<&CoefficientSet>) -> Result<(Survey, ReadOptions)> {
+        let paths = [path.to_owned()];
+        let progress = Progress::over(&paths);
+        let options = self.options(set)?;
+        let survey = survey_log_observed(path, &options, |bytes| progress.add(bytes))?;
+        drop(progress);
+        Self::check(path, &options, &survey.head, set)?;
+        Ok((survey, options))
+    }
+
+    /// Says how a log was read.
+    ///
+    /// # Errors
+    /// A log that lacks the temperatures of another file.
+    fn check(
+        path: &Path,
+        options: &ReadOptions,
+        log: &Log,
+        set: Option<&CoefficientSet>,
+    ) -> Result<()> {
         let joined = log.reading.mapping.as_ref();
         let joined = joined.and_then(|mapping| mapping.join.as_ref());
         let inputs = set.map_or(&[][..], |set| &set.provenance.inputs);
@@ -156,7 +198,7 @@ impl LogArgs {
             &log.ignored_columns,
             log.skipped_rows,
         );
-        Ok(log)
+        Ok(())
     }
 
     /// Summarises several logs at once.

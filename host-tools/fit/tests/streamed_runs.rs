@@ -4,7 +4,7 @@ use std::path::Path;
 
 use tempco_fit::{FitOptions, fit};
 use tempco_log::{Log, ReadOptions, read_log};
-use tempco_set::run::{KnownLog, apply, apply_to_file};
+use tempco_set::run::{KnownLog, apply, apply_to_file, inputs};
 use tempco_set::{CoefficientSet, Model};
 
 /// Long enough for many chunks.
@@ -62,15 +62,18 @@ fn text_of_channels() -> String {
 
 /// The file gives the rows of the log in memory.
 fn assert_same(set: &CoefficientSet, known: &KnownLog, log: &Log) {
-    let expected = apply(set, log).unwrap();
+    let (expected, all) = (apply(set, log).unwrap(), inputs(set, log).unwrap());
     let (mut row, mut chunks) = (0, 0);
     apply_to_file(
         set,
         known,
         &ReadOptions::default(),
-        |time_s, found, bytes| {
+        |time_s, inputs, found, bytes| {
             let rows = row..row + time_s.len();
             assert_eq!(time_s, &log.time_s[rows.clone()]);
+            for (found, expected) in inputs.iter().zip(&all) {
+                assert_eq!(found.temp_c, &expected.temp_c[rows.clone()]);
+            }
             assert_eq!(found.status, expected.status[rows.clone()]);
             assert_eq!(found.points.len(), expected.points.len());
             for (found, expected) in found.points.iter().zip(&expected.points) {
@@ -136,6 +139,6 @@ fn another_file_of_the_same_name_is_refused() {
     let (known, log) = written(folder.path(), &text);
     let set = fitted(&log, Model::Static);
     std::fs::write(&known.path, text + "60000,25,3,1\n").unwrap();
-    let error = apply_to_file(&set, &known, &ReadOptions::default(), |_, _, _| ()).unwrap_err();
+    let error = apply_to_file(&set, &known, &ReadOptions::default(), |_, _, _, _| ()).unwrap_err();
     assert!(error.to_string().contains("changed while"), "{error}");
 }

@@ -94,7 +94,7 @@ pub use excerpt::list_names;
 pub use interval::Intervals;
 pub use log::{Axis, Channel, Log};
 pub use mapping::Mapping;
-pub use read::{ReadOptions, read_log, read_log_observed};
+pub use read::{ReadOptions, Survey, read_log, read_log_observed, survey_log_observed};
 pub use reading::Reading;
 pub use skipped::SkippedRows;
 pub use source::hex;

@@ -52,6 +52,42 @@ pub fn read_log_observed(
     })
 }
 
+/// A log that was read to its end, of which no row was kept.
+#[derive(Clone, Debug)]
+pub struct Survey {
+    /// The log without its rows.
+    pub head: Log,
+    /// How many it has.
+    pub rows: usize,
+}
+
+/// Reads a log as [`read_log_observed`] does, in memory that does not depend on its length.
+///
+/// # Errors
+/// Those of [`read_log`].
+pub fn survey_log_observed(
+    path: &Path,
+    options: &ReadOptions,
+    mut observer: impl FnMut(u64),
+) -> Result<Survey, LogError> {
+    let mut stream = LogStream::open(path, options)?;
+    let (mut told, mut rows, mut intervals) = (0, 0, Intervals::new());
+    while let Some(chunk) = stream.next_chunk()? {
+        rows += chunk.rows();
+        intervals.take(&chunk.time_s);
+        observer(stream.bytes_read() - told);
+        told = stream.bytes_read();
+    }
+    if rows < 2 {
+        return Err(LogError::too_few_rows(path, rows));
+    }
+    let none = stream.empty_chunk();
+    Ok(Survey {
+        head: log(path, &stream, options, none, intervals.median_s()),
+        rows,
+    })
+}
+
 fn whole(
     path: &Path,
     stream: &mut LogStream,
@@ -68,8 +104,18 @@ fn whole(
     }
     let mut intervals = Intervals::new();
     intervals.take(&rows.time_s);
-    let interval_s = intervals.median_s();
-    Ok(Log {
+    Ok(log(path, stream, options, rows, intervals.median_s()))
+}
+
+/// The log of a stream that was read to its end, with some of its rows.
+fn log(
+    path: &Path,
+    stream: &LogStream,
+    options: &ReadOptions,
+    mut rows: Chunk,
+    interval_s: f64,
+) -> Log {
+    Log {
         file: path
             .file_name()
             .unwrap_or_default()
@@ -82,7 +128,7 @@ fn whole(
         ignored_columns: stream.ignored().to_vec(),
         skipped_rows: stream.skipped_rows(),
         interval_s,
-    })
+    }
 }
 
 fn channels(

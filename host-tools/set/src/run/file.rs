@@ -9,7 +9,7 @@ use tempco::TableError;
 use tempco_log::{LogError, LogStream, ReadOptions};
 use thiserror::Error;
 
-use super::columns::{ApplyError, Columns, LogAxis};
+use super::columns::{ApplyError, ChannelInputs, Columns, LogAxis};
 use super::compensators::{Applied, Rows, with_compensators};
 use super::updates::Updates;
 use crate::CoefficientSet;
@@ -26,7 +26,8 @@ pub struct KnownLog {
 }
 
 /// Runs the core over a log as a unit switched on at its first row; `sink` gets the times of some
-/// rows \[s\], what came of them, and the number of bytes of the file that were read so far.
+/// rows \[s\], the columns that the channels take, what came of them, and the number of bytes of the
+/// file that were read so far.
 ///
 /// # Errors
 /// A log that cannot be read, lacks an axis of the set, or is not the one of the first reading.
@@ -34,7 +35,7 @@ pub fn apply_to_file(
     set: &CoefficientSet,
     log: &KnownLog,
     options: &ReadOptions,
-    mut sink: impl FnMut(&[f64], &Applied, u64),
+    mut sink: impl FnMut(&[f64], &[ChannelInputs], &Applied, u64),
 ) -> Result<(), RunError> {
     let mut stream = LogStream::open(&log.path, options)?;
     let (named, factors): (Vec<LogAxis>, Vec<f64>) = axes(&stream, log, options).unzip();
@@ -54,11 +55,13 @@ pub fn apply_to_file(
             }
             let temps_c: Vec<&[f32]> = chunk.temps_c.iter().map(Vec::as_slice).collect();
             let raw: Vec<&[f64]> = chunk.axes.iter().map(Vec::as_slice).collect();
-            let applied = step(&Rows {
+            let rows = Rows {
                 updates_s: &updates_s,
                 channels: columns.iter().map(|of| of.of(&temps_c, &raw)).collect(),
-            });
-            sink(&chunk.time_s, &applied, stream.bytes_read());
+            };
+            let applied = step(&rows);
+            let bytes = stream.bytes_read();
+            sink(&chunk.time_s, &rows.channels, &applied, bytes);
         }
         Ok(())
     })??;
