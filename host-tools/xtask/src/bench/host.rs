@@ -23,6 +23,9 @@ const SIMULATED_HZ: f64 = 20.0;
 /// The segments of the paper, in degC.
 const SEGMENTS: &str = "-15:15,5:35,25:60,50:80";
 
+/// Step of the output of the unit `fog` \[deg/h\].
+const STEP_DPH: f64 = 0.01;
+
 /// Rows of a log of usual size.
 const USUAL_ROWS: u32 = 100_000;
 
@@ -137,18 +140,16 @@ fn keep_best(best: &mut Option<Taken>, taken: Taken) {
     }
 }
 
-/// Writes a log of about so many rows with values of as many digits as real logs have.
+/// Writes a log of a fibre-optic gyro of about so many rows, with as many digits as real logs have.
 fn write_log(path: &Path, rows: u32) -> Result<u64> {
     let profile = Profile::named("calibration")?;
     let rate_hz = f64::from(rows) / profile.duration_s();
-    let samples = Simulation::new(&Unit::named("paper")?, &profile, 1, rate_hz)?;
+    let samples = Simulation::new(&Unit::named("fog")?, &profile, 1, rate_hz)?;
     let mut log = BufWriter::with_capacity(1 << 20, File::create(path)?);
     writeln!(log, "time_s,temp_c,x_dph,y_dph,z_dph")?;
     let mut rows = 0;
     for sample in samples {
-        // One arcsec per pulse: pulses per s are deg/h.
-        let axis =
-            |axis: usize| sample.truth.bias[axis] + 0.01 * f64::from(sample.counts[axis] as i32);
+        let axis = |axis: usize| STEP_DPH * f64::from(sample.counts[axis] as i32);
         let [x, y, z] = [axis(0), axis(1), axis(2)];
         let (time_s, temp_c) = (sample.time_s, sample.temp_c);
         writeln!(log, "{time_s:.4},{temp_c:.4},{x:.6},{y:.6},{z:.6}")?;
