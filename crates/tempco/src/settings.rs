@@ -360,4 +360,68 @@ mod tests {
             play_start_min: -1001.0, 1001.0;
         }
     }
+
+    fn thermal(change: impl FnOnce(&mut ThermalSettings)) -> Thermal {
+        let mut settings = ThermalSettings::DEFAULT;
+        change(&mut settings);
+        Thermal::new(settings).unwrap()
+    }
+
+    /// How long after a loss the history is not known: three times the slower time constant, as far
+    /// as it can be counted.
+    #[test]
+    fn a_second_lag_is_known_after_three_time_constants() {
+        for (min_c, max_c, ticks_of_1000_s) in [
+            (0.0, 0.0, 0),
+            (-1.0, 0.0, ticks(3000.0)),
+            (0.0, 1.0, ticks(3000.0)),
+            (-1.0, 1.0, ticks(3000.0)),
+        ] {
+            let of = |tau2_s| {
+                thermal(|of| {
+                    (of.tau2_s, of.lag2_min_c, of.lag2_max_c) = (tau2_s, min_c, max_c);
+                })
+            };
+            let found = of(1000.0);
+            assert_eq!(found.known_ticks, ticks_of_1000_s, "{min_c} {max_c}");
+            let has_lag2 = ticks_of_1000_s > 0;
+            assert_eq!(found.settings().has_lag2(), has_lag2);
+            assert_eq!(found.lag2_flag, Status::LAG_CLAMPED.when(has_lag2));
+            let longest = if has_lag2 { ticks(LONGEST_TIMER_S) } else { 0 };
+            assert_eq!(
+                [1e4, 6e4].map(|tau2_s| of(tau2_s).known_ticks),
+                [longest; 2]
+            );
+        }
+    }
+
+    /// A play is where it seems to be once the temperature has moved through the widest of them.
+    #[test]
+    fn plays_are_known_after_the_width_of_the_widest() {
+        for (width1_c, width2_c, known_c) in [(1.5, 2.5, 5.0), (2.5, 1.5, 5.0), (0.0, 0.0, 0.0)] {
+            let found = thermal(|of| (of.half_width1_c, of.half_width2_c) = (width1_c, width2_c));
+            assert_eq!(found.known_c, known_c);
+            assert_eq!(
+                found.half_widths,
+                [magnitude(width1_c), magnitude(width2_c)]
+            );
+        }
+    }
+
+    /// In minutes, as the rate is in degC/min.
+    #[test]
+    fn shares_of_the_lag_and_the_start_are_in_the_units_of_the_core() {
+        let found = thermal(|of| (of.tau_s, of.kappa, of.play_kappa) = (120.0, 0.5, -0.25));
+        assert_eq!(found.tau_min, 2.0);
+        assert_eq!((found.shift_min, found.play_shift_min), (1.0, -0.5));
+        assert_eq!(thermal(|of| of.tau2_s = 8.0).per_tau2_hz, 0.125);
+        assert_eq!(found.start, 0);
+        let starts = thermal(|of| of.rate_start = 1.0);
+        assert_eq!(starts.start, -ticks(ThermalSettings::START_S));
+        let divisor =
+            |tau_s, least| thermal(|of| (of.tau_s, of.least_divisor) = (tau_s, least)).least_memory;
+        assert_eq!(divisor(120.0, 0.0), 0.5);
+        assert_eq!(divisor(120.0, 0.75), 0.75);
+        assert_eq!(divisor(30.0, 0.0), 1.0);
+    }
 }
