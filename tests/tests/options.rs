@@ -20,31 +20,23 @@ const RANGES: [&str; 7] = [
     "1e15:1000000000000100",
 ];
 
+/// Options that count row by row.
+const BY_ROW: [&str; 6] = [
+    "--rate-tau",
+    "--kappa",
+    "--max-slew",
+    "--tau",
+    "--scale-factor",
+    "--instance",
+];
+
 /// Commands, with the options of theirs that take numbers, and those that take ranges. What stands
 /// for a serial port is none.
 const COMMANDS: [(&str, &[&str], &[&str]); 11] = [
-    (
-        "summarise log.csv --out OUT",
-        &[
-            "--rate-tau",
-            "--kappa",
-            "--max-slew",
-            "--tau",
-            "--scale-factor",
-            "--instance",
-        ],
-        &["--exclude"],
-    ),
+    ("summarise log.csv --out OUT", &BY_ROW, &["--exclude"]),
     (
         "fit log.csv --serial S1 --out OUT --model composite",
-        &[
-            "--rate-tau",
-            "--kappa",
-            "--max-slew",
-            "--tau",
-            "--scale-factor",
-            "--instance",
-        ],
+        &BY_ROW,
         &["--segments", "--exclude"],
     ),
     (

@@ -42,14 +42,9 @@ pub fn read_log(path: &Path, options: &ReadOptions) -> Result<Log, LogError> {
 pub fn read_log_observed(
     path: &Path,
     options: &ReadOptions,
-    mut observer: impl FnMut(u64),
+    observer: impl FnMut(u64),
 ) -> Result<Log, LogError> {
-    let mut stream = LogStream::open(path, options)?;
-    let mut told = 0;
-    whole(path, &mut stream, options, |bytes| {
-        observer(bytes - told);
-        told = bytes;
-    })
+    Ok(read_through(path, options, observer, true)?.head)
 }
 
 /// A log that was read to its end, of which no row was kept.
@@ -68,67 +63,49 @@ pub struct Survey {
 pub fn survey_log_observed(
     path: &Path,
     options: &ReadOptions,
+    observer: impl FnMut(u64),
+) -> Result<Survey, LogError> {
+    read_through(path, options, observer, false)
+}
+
+/// Reads a log to its end; the head has its rows if they are kept.
+fn read_through(
+    path: &Path,
+    options: &ReadOptions,
     mut observer: impl FnMut(u64),
+    keeps_rows: bool,
 ) -> Result<Survey, LogError> {
     let mut stream = LogStream::open(path, options)?;
     let (mut told, mut rows, mut intervals) = (0, 0, Intervals::new());
+    let mut kept = stream.empty_chunk();
     while let Some(chunk) = stream.next_chunk()? {
         rows += chunk.rows();
         intervals.take(&chunk.time_s);
+        if keeps_rows {
+            kept.append(&chunk);
+        }
         observer(stream.bytes_read() - told);
         told = stream.bytes_read();
     }
     if rows < 2 {
         return Err(LogError::too_few_rows(path, rows));
     }
-    let none = stream.empty_chunk();
-    Ok(Survey {
-        head: log(path, &stream, options, none, intervals.median_s()),
-        rows,
-    })
-}
-
-fn whole(
-    path: &Path,
-    stream: &mut LogStream,
-    options: &ReadOptions,
-    mut bytes_read: impl FnMut(u64),
-) -> Result<Log, LogError> {
-    let mut rows = stream.empty_chunk();
-    while let Some(chunk) = stream.next_chunk()? {
-        rows.append(&chunk);
-        bytes_read(stream.bytes_read());
-    }
-    if rows.rows() < 2 {
-        return Err(LogError::too_few_rows(path, rows.rows()));
-    }
-    let mut intervals = Intervals::new();
-    intervals.take(&rows.time_s);
-    Ok(log(path, stream, options, rows, intervals.median_s()))
-}
-
-/// The log of a stream that was read to its end, with some of its rows.
-fn log(
-    path: &Path,
-    stream: &LogStream,
-    options: &ReadOptions,
-    mut rows: Chunk,
-    interval_s: f64,
-) -> Log {
-    Log {
+    let interval_s = intervals.median_s();
+    let head = Log {
         file: path
             .file_name()
             .unwrap_or_default()
             .to_string_lossy()
             .into(),
         sha256: stream.sha256().unwrap_or_default().to_owned(),
-        channels: channels(stream, &mut rows, interval_s, options.scale_factor_arcsec),
-        time_s: rows.time_s,
+        channels: channels(&stream, &mut kept, interval_s, options.scale_factor_arcsec),
+        time_s: kept.time_s,
         reading: stream.reading(),
         ignored_columns: stream.ignored().to_vec(),
         skipped_rows: stream.skipped_rows(),
         interval_s,
-    }
+    };
+    Ok(Survey { head, rows })
 }
 
 fn channels(
