@@ -10,9 +10,7 @@ use tempco_evaluate::judge;
 use tempco_set::CoefficientSet;
 use tempco_set::escape::csv_cell;
 use tempco_set::files::{Draft, keep_all};
-use tempco_set::run::{
-    Applied, ChannelInputs, KnownLog, apply, apply_to_file, inputs, is_rereadable,
-};
+use tempco_set::run::{KnownLog, Part, apply_to_file, apply_to_log, is_rereadable};
 
 use crate::Exit;
 use crate::judgement::say_rejections;
@@ -48,32 +46,21 @@ pub(crate) fn run(args: &Args) -> Result<Exit> {
         say_rejections(set_path.display(), &judge(&set, None));
         draft = Draft::create(&args.out)?;
         let mut output = Output::begin(draft.file(), &set).with_context(at_out)?;
-        let log = KnownLog {
-            path: path.clone(),
-            interval_s: survey.head.interval_s,
-            sha256: survey.head.sha256,
-        };
+        let log = KnownLog::new(path, &survey.head);
         let progress = Progress::over([path]);
-        let (mut shown, mut written) = (0, Ok(()));
-        apply_to_file(&set, &log, &options, |time_s, inputs, applied, bytes| {
-            if written.is_ok() {
-                written = output.rows(time_s, inputs, applied);
-            }
-            progress.add(bytes - shown);
-            shown = bytes;
+        let observer = |bytes| progress.add(bytes);
+        apply_to_file(&set, None, &log, &options, observer, |part| {
+            output.rows(&part)
         })?;
         drop(progress);
-        let flagged = written.and_then(|()| output.finish());
-        (survey.rows, flagged.with_context(at_out)?)
+        (survey.rows, output.finish().with_context(at_out)?)
     } else {
         let (set, log) = args.put.read()?;
         say_rejections(set_path.display(), &judge(&set, None));
-        let (inputs, applied) = (inputs(&set, &log)?, apply(&set, &log)?);
         draft = Draft::create(&args.out)?;
         let mut output = Output::begin(draft.file(), &set).with_context(at_out)?;
-        let written = output.rows(&log.time_s, &inputs, &applied);
-        let flagged = written.and_then(|()| output.finish());
-        (log.rows(), flagged.with_context(at_out)?)
+        apply_to_log(&set, None, &log, |part| output.rows(&part))?;
+        (log.rows(), output.finish().with_context(at_out)?)
     };
     keep_all(vec![draft])?;
     print(format_args!(
@@ -86,6 +73,8 @@ pub(crate) fn run(args: &Args) -> Result<Exit> {
 /// The result, row after row.
 struct Output<'a> {
     to: BufWriter<&'a mut File>,
+    /// The first failure of writing.
+    written: io::Result<()>,
     /// Rows with a flag in their status.
     flagged: usize,
 }
@@ -105,19 +94,25 @@ impl<'a> Output<'a> {
         header.push("status".to_owned());
         let mut to = BufWriter::new(file);
         csv::Writer::from_writer(&mut to).write_record(&header)?;
-        Ok(Self { to, flagged: 0 })
+        Ok(Self {
+            to,
+            written: Ok(()),
+            flagged: 0,
+        })
     }
 
-    fn rows(
-        &mut self,
-        time_s: &[f64],
-        inputs: &[ChannelInputs],
-        applied: &Applied,
-    ) -> io::Result<()> {
-        let out = &mut self.to;
-        for (row, time_s) in time_s.iter().enumerate() {
+    /// Writes rows, unless writing failed before.
+    fn rows(&mut self, part: &Part) {
+        if self.written.is_ok() {
+            self.written = self.write(part);
+        }
+    }
+
+    fn write(&mut self, part: &Part) -> io::Result<()> {
+        let (out, applied) = (&mut self.to, &part.applied);
+        for (row, time_s) in part.time_s.iter().enumerate() {
             write!(out, "{time_s}")?;
-            for input in inputs {
+            for input in &part.inputs {
                 write!(out, ",{}", input.temp_c[row])?;
             }
             for axis in &applied.axes {
@@ -133,6 +128,7 @@ impl<'a> Output<'a> {
 
     /// How many rows have a flag in their status.
     fn finish(mut self) -> io::Result<usize> {
+        self.written?;
         self.to.flush()?;
         Ok(self.flagged)
     }

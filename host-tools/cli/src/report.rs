@@ -70,11 +70,9 @@ pub(crate) fn gather(
     let progress = Progress::over(logs.iter().map(|found| &found.log.path));
     for found in logs {
         gatherer.begin_log();
-        let mut shown = 0;
-        apply_to_file(set, &found.log, options, |time_s, _, applied, bytes| {
-            gatherer.push(time_s, applied);
-            progress.add(bytes - shown);
-            shown = bytes;
+        let observer = |bytes| progress.add(bytes);
+        apply_to_file(set, None, &found.log, options, observer, |part| {
+            gatherer.push(part.time_s, &part.applied);
         })?;
     }
     Ok(gatherer)

@@ -1,12 +1,10 @@
 //! Allan deviations of an axis, before and after.
 
 use serde::Serialize;
-use tempco_log::{AxisUnit, Log};
-use tempco_set::run::AxisOutput;
+use tempco_log::AxisUnit;
 
 use crate::allan::{
-    AllanPoint, BiasInstability, RandomWalk, bias_instability, longest_stretch, overlapping,
-    random_walk,
+    AllanPoint, BiasInstability, RandomWalk, Stretch, bias_instability, random_walk,
 };
 use crate::measured::Measured;
 
@@ -37,27 +35,16 @@ pub struct AllanCurves {
 }
 
 impl AllanOfAxis {
-    pub(super) fn new(log: &Log, output: &AxisOutput, unit: AxisUnit) -> Self {
-        let stretch = longest_stretch(&log.time_s, log.interval_s);
-        let rows = stretch.len();
-        let interval_s = match rows {
-            0 | 1 => log.interval_s,
-            _ => {
-                let duration_s = log.time_s[stretch.end - 1] - log.time_s[stretch.start];
-                duration_s / (rows - 1) as f64
-            }
-        };
+    /// Of a stretch with two series for each axis, without and with compensation.
+    pub(super) fn new(stretch: &Stretch, axis: usize, unit: AxisUnit) -> Self {
         let (random_walk_unit, factor) = unit.random_walk();
-        let curve = |values: &[f32]| {
-            let values = values[stretch.clone()].iter().map(|&v| f64::from(v));
-            AllanCurves::new(overlapping(values, interval_s), factor)
-        };
+        let curve = |series: usize| AllanCurves::new(stretch.curves[series].clone(), factor);
         Self {
-            rows,
-            interval_s,
+            rows: stretch.rows,
+            interval_s: stretch.interval_s,
             random_walk_unit,
-            raw: curve(&output.raw),
-            compensated: curve(&output.compensated),
+            raw: curve(2 * axis),
+            compensated: curve(2 * axis + 1),
         }
     }
 }

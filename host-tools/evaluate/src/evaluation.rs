@@ -1,22 +1,23 @@
 //! How a set does on a log: all figures of all axes.
 
 use std::ops::RangeInclusive;
+use std::path::Path;
 
 use serde::Serialize;
-use tempco::{Status, Terms, ThermalPoint};
 use tempco_log::signals::{self, Finding};
-use tempco_log::{AxisUnit, Doubt, Log, SkippedRows};
-use tempco_set::run::{Applied, ApplyError, apply};
+use tempco_log::{AxisUnit, Doubt, Log, ReadOptions, SkippedRows, Survey};
+use tempco_set::run::{ApplyError, KnownLog, RunError, apply_to_file, apply_to_log};
 use tempco_set::{ChannelSet, CoefficientSet, CoefficientSigmas, SegmentSet};
 use thiserror::Error;
 
 use crate::correlation::{Correlation, chance, pearson};
 use crate::curve::AllanOfAxis;
-use crate::hysteresis::{Bins, Hysteresis};
+use crate::hysteresis::Hysteresis;
 use crate::means::Means;
 use crate::measured::Measured;
 use crate::reference::Reference;
 use crate::stability::Stability;
+use crate::sums::{Gathered, LogSums};
 
 /// Averaging times that can be asked for \[s\]: from the shortest time between rows to decades.
 pub const TAU_RANGE_S: RangeInclusive<f64> = 1e-4..=1e9;
@@ -172,62 +173,110 @@ pub fn evaluate(
     against: Option<&CoefficientSet>,
     tau_s: f64,
 ) -> Result<Evaluation, EvaluateError> {
+    let interval_s = log.interval_s;
+    let taus_s = taus_s(interval_s, tau_s)?;
+    let reference = Reference::new(set, against);
+    let compared = reference.set.as_deref();
+    let mut sums = LogSums::new(set, compared, interval_s, (&taus_s, tau_s));
+    apply_to_log(set, compared, log, |part| sums.push(&part))?;
+    let log = judged_log(set, log, log.rows(), signals::find(log));
+    evaluation(set, log, interval_s, reference, sums, (&taus_s, tau_s))
+}
+
+/// Evaluates `set` as [`evaluate`] does, on a file that was read before, in memory that does not grow
+/// with its rows. `observer` gets how many more bytes of the file were read.
+///
+/// # Errors
+/// Those of [`evaluate`]; a file that cannot be read or has changed.
+pub fn evaluate_file(
+    set: &CoefficientSet,
+    (path, survey): (&Path, &Survey),
+    options: &ReadOptions,
+    against: Option<&CoefficientSet>,
+    tau_s: f64,
+    observer: impl FnMut(u64),
+) -> Result<Evaluation, EvaluateError> {
+    let log = KnownLog::new(path, &survey.head);
+    let interval_s = log.interval_s;
+    let taus_s = taus_s(interval_s, tau_s)?;
+    let reference = Reference::new(set, against);
+    let compared = reference.set.as_deref();
+    let mut sums = LogSums::new(set, compared, interval_s, (&taus_s, tau_s));
+    apply_to_file(set, compared, &log, options, observer, |part| {
+        sums.push(&part);
+    })?;
+    let log = judged_log(set, &survey.head, survey.rows, survey.findings.clone());
+    evaluation(set, log, interval_s, reference, sums, (&taus_s, tau_s))
+}
+
+/// All averaging times, shortest first.
+fn taus_s(interval_s: f64, tau_s: f64) -> Result<Vec<f64>, EvaluateError> {
     if !TAU_RANGE_S.contains(&tau_s) {
         return Err(EvaluateError::AveragingTime { tau_s });
     }
-    if log.interval_s > tau_s * (1.0 + 1e-9) {
-        return Err(EvaluateError::Interval {
-            interval_s: log.interval_s,
-            tau_s,
-        });
+    if interval_s > tau_s * (1.0 + 1e-9) {
+        return Err(EvaluateError::Interval { interval_s, tau_s });
     }
     let mut taus_s: Vec<f64> = TAUS_S.into_iter().chain([tau_s]).collect();
     taus_s.sort_by(f64::total_cmp);
     taus_s.dedup();
-    // First and alone, so that two compensated logs are never held at a time.
-    let reference = Reference::new(set, log, against, &taus_s)?;
-    let applied = apply(set, log)?;
+    Ok(taus_s)
+}
+
+/// Puts the figures together.
+fn evaluation(
+    set: &CoefficientSet,
+    log: JudgedLog,
+    interval_s: f64,
+    reference: Reference,
+    sums: LogSums,
+    (taus_s, tau_s): (&[f64], f64),
+) -> Result<Evaluation, EvaluateError> {
+    let gathered = sums.finish();
     let mut axes = Vec::new();
-    let mut number = 0;
-    for (channel, points) in set.channels.iter().zip(&applied.points) {
-        let shared = OfChannel::new(log, channel, points, tau_s);
+    for (number, channel) in set.channels.iter().enumerate() {
         for of_channel in 0..channel.axes.len() {
             let judged = Judged {
-                log,
-                applied: &applied,
-                number,
-                channel,
+                gathered: &gathered,
+                compared: reference.set.as_deref(),
+                interval_s,
+                number: axes.len(),
+                channel: (number, channel),
                 of_channel,
             };
-            axes.push(judged.evaluate(&shared, &reference, &taus_s, tau_s)?);
-            number += 1;
+            axes.push(judged.evaluate(taus_s, tau_s)?);
         }
     }
     Ok(Evaluation {
-        log: judged_log(set, log),
+        log,
         tau_s,
         reference: reference.name,
         max_boundary_jump: max_boundary_jump(set),
-        status_rows: status_rows(&applied),
-        outside: outside(set, log, &applied),
+        status_rows: gathered.status_rows,
+        outside: gathered.outside,
         segments: set.channels.iter().map(|c| c.segments.clone()).collect(),
         axes,
     })
 }
 
-fn judged_log(set: &CoefficientSet, log: &Log) -> JudgedLog {
+/// What is said of a log of so many rows, which `log` need not hold.
+fn judged_log(
+    set: &CoefficientSet,
+    log: &Log,
+    rows: usize,
+    mut findings: Vec<Finding>,
+) -> JudgedLog {
     // Other axes of the log are no matter of the set.
     let is_other = |column: &str| {
         let mut axes = log.channels.iter().flat_map(|channel| &channel.axes);
         axes.any(|axis| axis.name == column) && !set.axes().any(|(_, axis)| axis.name == column)
     };
-    let mut findings = signals::find(log);
     findings.retain(|finding| !is_other(&finding.column));
     let mut inputs = set.provenance.inputs.iter();
     JudgedLog {
         file: log.file.clone(),
         sha256: log.sha256.clone(),
-        rows: log.rows(),
+        rows,
         skipped: log.skipped_rows,
         role: if inputs.len() == 0 {
             Role::Unknown
@@ -251,110 +300,43 @@ fn max_boundary_jump(set: &CoefficientSet) -> Vec<f64> {
         .collect()
 }
 
-fn status_rows(applied: &Applied) -> Vec<(&'static str, usize)> {
-    Status::NAMES
-        .iter()
-        .map(|&(flag, name)| {
-            let rows = applied.status.iter().filter(|status| status.contains(flag));
-            (name, rows.count())
-        })
-        .filter(|&(_, rows)| rows > 0)
-        .collect()
-}
-
-fn outside(set: &CoefficientSet, log: &Log, applied: &Applied) -> Option<Outside> {
-    let cells = set.channels.iter().flat_map(|channel| &channel.table.cells);
-    let has_rate_terms = cells.flatten().any(|terms| terms.r != [0.0; Terms::RATE]);
-    let flags = if has_rate_terms {
-        Status::TEMPERATURE_CLAMPED | Status::RATE_CLAMPED
-    } else {
-        Status::TEMPERATURE_CLAMPED
-    };
-    let rows = applied.status.iter().zip(&log.time_s);
-    let mut times = rows
-        .filter(|(status, _)| status.intersects(flags))
-        .map(|(_, &time_s)| time_s);
-    let from_s = times.next()?;
-    let (rows, to_s) = times.fold((1, from_s), |(rows, _), time_s| (rows + 1, time_s));
-    Some(Outside { rows, from_s, to_s })
-}
-
-/// What the axes of a channel have in common.
-struct OfChannel {
-    bins: Bins,
-    temperatures: Vec<f64>,
-    rates: Vec<f64>,
-}
-
-impl OfChannel {
-    /// The rate is the core's before it is clamped to the calibrated range: what the figures tell
-    /// of the log does not depend on the set's limits.
-    fn new(log: &Log, channel: &ChannelSet, points: &[ThermalPoint], tau_s: f64) -> Self {
-        let points: Vec<(f32, f32)> = points
-            .iter()
-            .map(|point| (point.effective_c, point.rate_c_per_min))
-            .collect();
-        let means = |figure: fn(&(f32, f32)) -> f32| {
-            let values = points.iter().map(|point| f64::from(figure(point)));
-            Means::new(&log.time_s, log.interval_s, values, tau_s).means
-        };
-        let tau_s = channel.table.thermal.tau_s;
-        Self {
-            bins: Bins::new(&points, log.interval_s, tau_s.into()),
-            temperatures: means(|point| point.0),
-            rates: means(|point| point.1),
-        }
-    }
-
-    fn correlation(&self, means: &Means) -> Measured<Correlation> {
-        let temperature = pearson(&means.means, &self.temperatures);
-        let rate = pearson(&means.means, &self.rates);
-        let both = temperature.zip(rate);
-        Measured::or(
-            both.map(|(temperature, rate)| Correlation {
-                temperature,
-                rate,
-                temperature_chance: chance(&means.means, &self.temperatures),
-                rate_chance: chance(&means.means, &self.rates),
-            }),
-            || "the temperature, its rate or the axis does not move".to_owned(),
-        )
-    }
-}
-
 /// One axis of a compensated log.
 struct Judged<'a> {
-    log: &'a Log,
-    applied: &'a Applied,
-    /// Among all axes.
+    gathered: &'a Gathered,
+    compared: Option<&'a CoefficientSet>,
+    interval_s: f64,
+    /// Its place among all axes.
     number: usize,
-    channel: &'a ChannelSet,
+    /// Its channel, and the place of that.
+    channel: (usize, &'a ChannelSet),
     /// Its place in the channel.
     of_channel: usize,
 }
 
 impl Judged<'_> {
-    fn evaluate(
-        &self,
-        shared: &OfChannel,
-        reference: &Reference,
-        taus_s: &[f64],
-        tau_s: f64,
-    ) -> Result<AxisEvaluation, EvaluateError> {
-        let axis = &self.channel.axes[self.of_channel];
-        let output = &self.applied.axes[self.number];
-        let [raw, compensated] =
-            [&output.raw, &output.compensated].map(|values| Means::of_f32(self.log, values, tau_s));
+    fn evaluate(&self, taus_s: &[f64], tau_s: f64) -> Result<AxisEvaluation, EvaluateError> {
+        let (channel, of_channel) = (self.channel.1, self.of_channel);
+        let axis = &channel.axes[of_channel];
+        let means = |place: usize| {
+            let of_tau = &self.gathered.axes[place];
+            [&of_tau[2 * self.number], &of_tau[2 * self.number + 1]]
+        };
+        let asked = taus_s.iter().position(|&other| other == tau_s);
+        let [raw, compensated] = means(asked.unwrap_or_default());
         if raw.means.len() < 2 {
             return Err(EvaluateError::Stretches {
                 n: raw.means.len(),
                 tau_s,
             });
         }
+        let stability = |(place, &tau_s): (usize, &f64)| {
+            let reference = self.reference(&axis.name, place);
+            Stability::new(means(place), reference, self.interval_s, tau_s)
+        };
         Ok(AxisEvaluation {
             axis: axis.name.clone(),
             unit: axis.unit,
-            constant_alone: self.channel.table.is_constant(self.of_channel),
+            constant_alone: channel.table.is_constant(of_channel),
             n: raw.means.len(),
             sigma_raw: raw.sigma(),
             sigma_compensated: compensated.sigma(),
@@ -363,23 +345,40 @@ impl Judged<'_> {
             rmse_compensated: compensated.rmse(),
             max_abs_compensated: compensated.max_abs(),
             max_abs_raw: raw.max_abs(),
-            bias_stability: taus_s
-                .iter()
-                .map(|&tau_s| {
-                    let reference = reference.sigma(&axis.name, tau_s);
-                    Stability::new(self.log, output, reference, tau_s)
-                })
-                .collect(),
-            correlation_raw: shared.correlation(&raw),
-            correlation_compensated: shared.correlation(&compensated),
+            bias_stability: taus_s.iter().enumerate().map(stability).collect(),
+            correlation_raw: self.correlation(raw),
+            correlation_compensated: self.correlation(compensated),
             hysteresis: Measured::or(
-                shared.bins.compare(&output.raw, &output.compensated),
+                self.gathered.bins[self.channel.0].compare(of_channel),
                 || "no bin of temperature was passed both ways for 30 s or more".to_owned(),
             ),
-            allan: AllanOfAxis::new(self.log, output, axis.unit),
-            boundaries: boundaries(self.channel, self.of_channel),
+            allan: AllanOfAxis::new(&self.gathered.allan, self.number, axis.unit),
+            boundaries: boundaries(channel, of_channel),
             coefficient_sigmas: axis.sigmas.clone(),
         })
+    }
+
+    /// Bias stability with the reference, if that has the axis.
+    fn reference(&self, axis: &str, tau: usize) -> Option<f64> {
+        let mut names = self.compared?.axes().map(|(_, axis)| &axis.name);
+        let place = names.position(|name| name == axis)?;
+        Some(self.gathered.compared[tau][place].sigma())
+    }
+
+    fn correlation(&self, means: &Means) -> Measured<Correlation> {
+        let of_channel = &self.gathered.thermal[2 * self.channel.0..];
+        let (temperatures, rates) = (&of_channel[0].means, &of_channel[1].means);
+        let temperature = pearson(&means.means, temperatures);
+        let both = temperature.zip(pearson(&means.means, rates));
+        Measured::or(
+            both.map(|(temperature, rate)| Correlation {
+                temperature,
+                rate,
+                temperature_chance: chance(&means.means, temperatures),
+                rate_chance: chance(&means.means, rates),
+            }),
+            || "the temperature, its rate or the axis does not move".to_owned(),
+        )
     }
 }
 
@@ -411,6 +410,9 @@ pub enum EvaluateError {
     /// The log does not have what the set compensates.
     #[error(transparent)]
     Apply(#[from] ApplyError),
+    /// The file cannot be read once more.
+    #[error(transparent)]
+    Run(#[from] RunError),
     /// The averaging time cannot be used.
     #[error(
         "averaging time {tau_s} s: expected {} to {} s", TAU_RANGE_S.start(), TAU_RANGE_S.end()

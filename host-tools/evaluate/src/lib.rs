@@ -3,7 +3,8 @@
 //!
 //! | modules | what they do |
 //! | --- | --- |
-//! | `evaluation` | [`evaluate`]: all figures of all axes; [`boundaries`] between segments |
+//! | `evaluation` | [`evaluate`], [`evaluate_file`]: all figures of all axes; [`boundaries`] between segments |
+//! | `sums` | what the figures need of a log, gathered part by part |
 //! | `means`, `stability` | means over an averaging time, and their spread |
 //! | `reference` | what the compensation is compared with |
 //! | `correlation`, `hysteresis` | what is left of temperature, and of its direction |
@@ -23,13 +24,14 @@ mod means;
 mod measured;
 mod reference;
 mod stability;
+mod sums;
 mod text;
 
 pub use correlation::Correlation;
 pub use curve::{AllanCurves, AllanOfAxis};
 pub use evaluation::{
     AxisEvaluation, Boundary, EvaluateError, Evaluation, JudgedLog, Outside, Role, TAU_RANGE_S,
-    boundaries, evaluate,
+    boundaries, evaluate, evaluate_file,
 };
 pub use hysteresis::Hysteresis;
 pub use judge::{judge, sign_off};

@@ -1,8 +1,6 @@
 //! Bias stability at one averaging time.
 
 use serde::Serialize;
-use tempco_log::Log;
-use tempco_set::run::AxisOutput;
 
 use crate::means::Means;
 use crate::measured::Measured;
@@ -34,12 +32,16 @@ pub struct Sigmas {
 }
 
 impl Stability {
-    pub(super) fn new(log: &Log, output: &AxisOutput, reference: Option<f64>, tau_s: f64) -> Self {
-        let [raw, compensated] =
-            [&output.raw, &output.compensated].map(|values| Means::of_f32(log, values, tau_s));
+    /// Of rows `interval_s` apart, from means over `tau_s`.
+    pub(super) fn new(
+        [raw, compensated]: [&Means; 2],
+        reference: Option<f64>,
+        interval_s: f64,
+        tau_s: f64,
+    ) -> Self {
         let n = raw.means.len();
-        let refusal = if log.interval_s > tau_s * (1.0 + 1e-9) {
-            Some(format!("rows are {} s apart", log.interval_s))
+        let refusal = if interval_s > tau_s * (1.0 + 1e-9) {
+            Some(format!("rows are {interval_s} s apart"))
         } else if n < 2 {
             Some(format!("{n} full stretches in the log"))
         } else {

@@ -1,11 +1,12 @@
 //! A set run over a file that is read once more, chunk by chunk.
 
+use std::ops::Range;
 use std::path::Path;
 
 use tempco_fit::{FitOptions, fit};
-use tempco_log::{Log, ReadOptions, read_log};
-use tempco_set::run::{KnownLog, apply, apply_to_file, inputs};
-use tempco_set::{CoefficientSet, Model};
+use tempco_log::{Channel, Log, ReadOptions, read_log};
+use tempco_set::run::{Applied, KnownLog, Part, apply, apply_to_file, apply_to_log};
+use tempco_set::{ChannelSet, CoefficientSet, Model};
 
 /// Long enough for many chunks.
 const ROWS: u32 = 120_000;
@@ -60,41 +61,52 @@ fn text_of_channels() -> String {
     text
 }
 
-/// The file gives the rows of the log in memory.
+/// The file gives the rows of the log in memory, and so do its parts, with a set that is compared
+/// along.
 fn assert_same(set: &CoefficientSet, known: &KnownLog, log: &Log) {
-    let (expected, all) = (apply(set, log).unwrap(), inputs(set, log).unwrap());
-    let (mut row, mut chunks) = (0, 0);
-    apply_to_file(
-        set,
-        known,
-        &ReadOptions::default(),
-        |time_s, inputs, found, bytes| {
-            let rows = row..row + time_s.len();
-            assert_eq!(time_s, &log.time_s[rows.clone()]);
-            for (found, expected) in inputs.iter().zip(&all) {
-                assert_eq!(found.temp_c, &expected.temp_c[rows.clone()]);
+    let expected = apply(set, log).unwrap();
+    let static_part = set.static_part().unwrap();
+    let compared = apply(&static_part, log).unwrap();
+    let options = ReadOptions::default();
+    let assert_rows = |found: &Applied, expected: &Applied, rows: Range<usize>| {
+        assert_eq!(found.status, expected.status[rows.clone()]);
+        assert_eq!(found.points.len(), expected.points.len());
+        for (found, expected) in found.points.iter().zip(&expected.points) {
+            assert_eq!(found, &expected[rows.clone()]);
+        }
+        assert_eq!(found.axes.len(), expected.axes.len());
+        for (found, expected) in found.axes.iter().zip(&expected.axes) {
+            assert_eq!(found.raw, expected.raw[rows.clone()]);
+            assert_eq!(found.bias, expected.bias[rows.clone()]);
+            assert_eq!(found.compensated, expected.compensated[rows.clone()]);
+        }
+    };
+    let temps_c = |channel: &ChannelSet| {
+        let has = |of: &&Channel| of.axes.iter().any(|axis| axis.name == channel.axes[0].name);
+        &log.channels.iter().find(has).unwrap().temp_c
+    };
+    for other in [None, Some(&static_part)] {
+        let (mut row, mut parts) = (0, 0);
+        let mut take = |part: Part| {
+            let rows = row..row + part.time_s.len();
+            assert_eq!(part.time_s, &log.time_s[rows.clone()]);
+            for input in &part.inputs {
+                assert_eq!(input.temp_c, &temps_c(input.channel)[rows.clone()]);
             }
-            assert_eq!(found.status, expected.status[rows.clone()]);
-            assert_eq!(found.points.len(), expected.points.len());
-            for (found, expected) in found.points.iter().zip(&expected.points) {
-                assert_eq!(found, &expected[rows.clone()]);
+            assert_rows(&part.applied, &expected, rows.clone());
+            assert_eq!(part.compared.is_some(), other.is_some());
+            if let Some(found) = &part.compared {
+                assert_rows(found, &compared, rows.clone());
             }
-            assert_eq!(found.axes.len(), expected.axes.len());
-            for (found, expected) in found.axes.iter().zip(&expected.axes) {
-                assert_eq!(found.raw, expected.raw[rows.clone()]);
-                assert_eq!(found.bias, expected.bias[rows.clone()]);
-                assert_eq!(found.compensated, expected.compensated[rows.clone()]);
-            }
-            assert!(bytes > 0);
-            (row, chunks) = (rows.end, chunks + 1);
-        },
-    )
-    .unwrap();
-    assert_eq!(row, log.rows());
-    assert!(
-        chunks > 1,
-        "one chunk does not test what passes between them"
-    );
+            (row, parts) = (rows.end % log.rows(), parts + 1);
+        };
+        let mut bytes = 0;
+        apply_to_file(set, other, known, &options, |more| bytes += more, &mut take).unwrap();
+        assert_eq!(bytes, std::fs::metadata(&known.path).unwrap().len());
+        apply_to_log(set, other, log, &mut take).unwrap();
+        assert_eq!(row, 0, "all rows, twice");
+        assert!(parts > 4, "one part does not test what passes between them");
+    }
 }
 
 #[test]
@@ -139,6 +151,7 @@ fn another_file_of_the_same_name_is_refused() {
     let (known, log) = written(folder.path(), &text);
     let set = fitted(&log, Model::Static);
     std::fs::write(&known.path, text + "60000,25,3,1\n").unwrap();
-    let error = apply_to_file(&set, &known, &ReadOptions::default(), |_, _, _, _| ()).unwrap_err();
+    let options = ReadOptions::default();
+    let error = apply_to_file(&set, None, &known, &options, |_| (), |_| ()).unwrap_err();
     assert!(error.to_string().contains("changed while"), "{error}");
 }

@@ -2,9 +2,12 @@
 
 use std::path::Path;
 
+use super::axis_columns::AxisColumn;
+use super::channel_columns::ChannelColumns;
 use super::chunk::Chunk;
 use super::interval::Intervals;
 use super::mapping::Mapping;
+use super::signals::{Finding, Signals};
 use super::stream::LogStream;
 use super::{Axis, Channel, Log, LogError};
 
@@ -44,7 +47,23 @@ pub fn read_log_observed(
     options: &ReadOptions,
     observer: impl FnMut(u64),
 ) -> Result<Log, LogError> {
-    Ok(read_through(path, options, observer, true)?.head)
+    let mut rows: Option<Chunk> = None;
+    let (mut log, factors) = read_through(path, options, observer, |_, chunk| match &mut rows {
+        Some(rows) => rows.append(&chunk),
+        None => rows = Some(chunk),
+    })?;
+    let rows = rows.unwrap_or_default();
+    // The columns, with the axes in their units.
+    log.time_s = rows.time_s;
+    let mut axes = rows.axes.into_iter().zip(factors);
+    for (channel, temp_c) in log.channels.iter_mut().zip(rows.temps_c) {
+        channel.temp_c = temp_c;
+        for (axis, (raw, factor)) in channel.axes.iter_mut().zip(&mut axes) {
+            axis.raw = raw;
+            axis.raw.iter_mut().for_each(|value| *value *= factor);
+        }
+    }
+    Ok(log)
 }
 
 /// A log that was read to its end, of which no row was kept.
@@ -54,6 +73,10 @@ pub struct Survey {
     pub head: Log,
     /// How many it has.
     pub rows: usize,
+    /// Time from the first to the last one \[s\].
+    pub duration_s: f64,
+    /// What is wrong with its signals.
+    pub findings: Vec<Finding>,
 }
 
 /// Reads a log as [`read_log_observed`] does, in memory that does not depend on its length.
@@ -65,25 +88,48 @@ pub fn survey_log_observed(
     options: &ReadOptions,
     observer: impl FnMut(u64),
 ) -> Result<Survey, LogError> {
-    read_through(path, options, observer, false)
+    let (mut rows, mut first_s, mut last_s) = (0, None, 0.0);
+    let mut signals: Vec<Signals> = Vec::new();
+    let (head, _) = read_through(path, options, observer, |channels, chunk| {
+        rows += chunk.rows();
+        last_s = *chunk.time_s.last().unwrap_or(&last_s);
+        first_s = first_s.or(chunk.time_s.first().copied());
+        if signals.is_empty() {
+            signals.extend(channels.iter().map(|of| Signals::new(of.axes.len())));
+        }
+        let mut axes = chunk.axes.iter().map(Vec::as_slice);
+        for ((signals, columns), temp_c) in signals.iter_mut().zip(channels).zip(&chunk.temps_c) {
+            let axes: Vec<&[f64]> = axes.by_ref().take(columns.axes.len()).collect();
+            signals.take(&chunk.time_s, temp_c, &axes);
+        }
+    })?;
+    let findings = signals.into_iter().zip(&head.channels);
+    let findings = findings.flat_map(|(signals, channel)| {
+        let names: Vec<&str> = channel.axes.iter().map(|axis| &axis.name[..]).collect();
+        signals.finish(&channel.column, &names)
+    });
+    Ok(Survey {
+        rows,
+        duration_s: last_s - first_s.unwrap_or(last_s),
+        findings: findings.collect(),
+        head,
+    })
 }
 
-/// Reads a log to its end; the head has its rows if they are kept.
+/// Reads a log to its end and passes its rows on, in the units of their columns. Returns the log
+/// without rows, and for each axis the factor that takes its column to the unit of the axis.
 fn read_through(
     path: &Path,
     options: &ReadOptions,
     mut observer: impl FnMut(u64),
-    keeps_rows: bool,
-) -> Result<Survey, LogError> {
+    mut sink: impl FnMut(&[ChannelColumns], Chunk),
+) -> Result<(Log, Vec<f64>), LogError> {
     let mut stream = LogStream::open(path, options)?;
     let (mut told, mut rows, mut intervals) = (0, 0, Intervals::new());
-    let mut kept = stream.empty_chunk();
     while let Some(chunk) = stream.next_chunk()? {
         rows += chunk.rows();
         intervals.take(&chunk.time_s);
-        if keeps_rows {
-            kept.append(&chunk);
-        }
+        sink(stream.channels(), chunk);
         observer(stream.bytes_read() - told);
         told = stream.bytes_read();
     }
@@ -91,52 +137,34 @@ fn read_through(
         return Err(LogError::too_few_rows(path, rows));
     }
     let interval_s = intervals.median_s();
-    let head = Log {
-        file: path
-            .file_name()
-            .unwrap_or_default()
-            .to_string_lossy()
-            .into(),
+    let mut factors = Vec::new();
+    let mut axis = |column: &AxisColumn| {
+        let of_pulses = options.scale_factor_arcsec;
+        let (factor, unit) = column.unit.in_axis_unit(interval_s, of_pulses);
+        factors.push(factor);
+        Axis {
+            name: column.name.clone(),
+            unit,
+            raw: Vec::new(),
+        }
+    };
+    let channel = |columns: &ChannelColumns| Channel {
+        column: columns.column.clone(),
+        temp_c: Vec::new(),
+        axes: columns.axes.iter().map(&mut axis).collect(),
+    };
+    let file = path.file_name().unwrap_or_default();
+    let log = Log {
+        file: file.to_string_lossy().into(),
         sha256: stream.sha256().unwrap_or_default().to_owned(),
-        channels: channels(&stream, &mut kept, interval_s, options.scale_factor_arcsec),
-        time_s: kept.time_s,
+        time_s: Vec::new(),
+        channels: stream.channels().iter().map(channel).collect(),
         reading: stream.reading(),
         ignored_columns: stream.ignored().to_vec(),
         skipped_rows: stream.skipped_rows(),
         interval_s,
     };
-    Ok(Survey { head, rows })
-}
-
-fn channels(
-    stream: &LogStream,
-    rows: &mut Chunk,
-    interval_s: f64,
-    scale_factor: Option<f64>,
-) -> Vec<Channel> {
-    let mut temps_c = std::mem::take(&mut rows.temps_c).into_iter();
-    let mut axes = std::mem::take(&mut rows.axes).into_iter();
-    let channels = stream.channels().iter().zip(&mut temps_c);
-    channels
-        .map(|(columns, temp_c)| Channel {
-            column: columns.column.clone(),
-            temp_c,
-            axes: columns
-                .axes
-                .iter()
-                .zip(&mut axes)
-                .map(|(axis, mut raw)| {
-                    let (factor, unit) = axis.unit.in_axis_unit(interval_s, scale_factor);
-                    raw.iter_mut().for_each(|value| *value *= factor);
-                    Axis {
-                        name: axis.name.clone(),
-                        unit,
-                        raw,
-                    }
-                })
-                .collect(),
-        })
-        .collect()
+    Ok((log, factors))
 }
 
 #[cfg(test)]

@@ -5,15 +5,17 @@ mod show;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
-use tempco_evaluate::{Evaluation, Role, evaluate, judge, sign_off};
+use tempco_evaluate::{Evaluation, Role, evaluate, evaluate_file, judge, sign_off};
+use tempco_log::Log;
 use tempco_report::{Report, Subject};
-use tempco_set::run::KnownLog;
+use tempco_set::run::{KnownLog, is_rereadable};
 use tempco_set::{CoefficientSet, Judgement};
 
 use crate::Exit;
 use crate::answer::Answer;
 use crate::image::is_image;
 use crate::output::{say, write_file};
+use crate::progress::Progress;
 use crate::report::{Found, ensure_rereadable, gather, write_figures};
 use crate::shared_args::{PrintArgs, SetAndLog, averaging_time, load_set_for};
 
@@ -65,20 +67,7 @@ pub(crate) fn run(args: &Args) -> Result<Exit> {
         );
         ensure_rereadable(std::slice::from_ref(&args.put.log))?;
     }
-    let (mut set, log) = args.put.read()?;
-    let against = args.against.as_deref();
-    let against = against.map(|set| load_set_for(set, &log)).transpose()?;
-    let evaluation = evaluate(&set, &log, against.as_ref(), args.tau)
-        .with_context(|| args.put.log.display().to_string())?;
-    let found = Found {
-        log: KnownLog {
-            path: args.put.log.clone(),
-            interval_s: log.interval_s,
-            sha256: log.sha256.clone(),
-        },
-        duration_s: log.time_s[log.rows() - 1] - log.time_s[0],
-    };
-    drop(log);
+    let (mut set, evaluation, found) = evaluated(args)?;
     if args.sign_off {
         ensure_can_sign_off(&args.put.set, &evaluation)?;
         set.sign_offs.push(sign_off(&evaluation));
@@ -104,6 +93,36 @@ pub(crate) fn run(args: &Args) -> Result<Exit> {
         say!("{}: marked as {verdict}", args.put.set.display());
     }
     Ok(Exit::of(judgement.is_accepted()))
+}
+
+/// The set, how it does on the log, and what is known of that.
+fn evaluated(args: &Args) -> Result<(CoefficientSet, Evaluation, Found)> {
+    let path = &args.put.log;
+    let at_log = || path.display().to_string();
+    let against = |log: &Log| {
+        let path = args.against.as_deref();
+        path.map(|path| load_set_for(path, log)).transpose()
+    };
+    let found = |log: &Log, duration_s| Found {
+        log: KnownLog::new(path, log),
+        duration_s,
+    };
+    if is_rereadable(path) {
+        // The interval must be known first, so the log is read twice: no row is kept in memory.
+        let (set, (survey, options)) = args.put.survey()?;
+        let against = against(&survey.head)?;
+        let progress = Progress::over([path]);
+        let observer = |bytes| progress.add(bytes);
+        let log = (path.as_path(), &survey);
+        let evaluation = evaluate_file(&set, log, &options, against.as_ref(), args.tau, observer);
+        let evaluation = evaluation.with_context(at_log)?;
+        return Ok((set, evaluation, found(&survey.head, survey.duration_s)));
+    }
+    let (set, log) = args.put.read()?;
+    let against = against(&log)?;
+    let evaluation = evaluate(&set, &log, against.as_ref(), args.tau).with_context(at_log)?;
+    let duration_s = log.time_s[log.rows() - 1] - log.time_s[0];
+    Ok((set, evaluation, found(&log, duration_s)))
 }
 
 /// Names the files that were written.

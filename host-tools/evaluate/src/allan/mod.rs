@@ -19,23 +19,28 @@
 //!
 //! # Numerics
 //!
-//! The second difference does not see a constant, so the mean, rounded to f32, is taken off first:
-//! the difference of two f32 is exact in f64 unless they differ by 2^29. Phases are
-//! error-compensated sums; each is then right to the last place, however long the log. The cost is
-//! one f64 per row and, for each octave, one pass.
+//! The second difference does not see a constant, so the first value, rounded to f32, is taken off.
+//! Phases are error-compensated sums; each is then right to the last place, however long the log.
+//!
+//! # Memory
+//!
+//! [`AllanSums`] takes value after value and keeps 2.5 MB at most for 1e8 values. Up to
+//! `m = 32768` it forms every second difference. Beyond, those that begin at every `m/4096`-th
+//! value count: the ones between say almost the same.
 
 mod confidence;
 mod reading;
 mod stretch;
 mod sum;
+mod sums;
 
 pub use reading::{BiasInstability, RandomWalk, bias_instability, random_walk};
-pub use stretch::longest_stretch;
+pub use stretch::{LongestStretch, Stretch};
+pub use sums::AllanSums;
 
 use serde::Serialize;
 
 use confidence::Noise;
-use sum::Sum;
 
 /// The Allan deviation at one averaging time.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -69,58 +74,37 @@ pub struct AllanPoint {
 /// assert_eq!(points.len(), 6);
 /// assert!((points[5].deviation - 3.0 * 32.0 / 2.0_f64.sqrt()).abs() < 1e-9);
 /// ```
-pub fn overlapping(
-    values: impl ExactSizeIterator<Item = f64> + Clone,
-    interval_s: f64,
-) -> Vec<AllanPoint> {
-    let phases = phases(values);
-    let octaves = (0..usize::BITS)
-        .map(|octave| 1_usize << octave)
-        .take_while(|m| 2 * m < phases.len());
-    let deviations: Vec<(usize, f64)> = octaves.map(|m| (m, deviation(&phases, m))).collect();
+pub fn overlapping(values: impl Iterator<Item = f64>, interval_s: f64) -> Vec<AllanPoint> {
+    let mut sums = AllanSums::default();
+    values.for_each(|value| sums.add(value));
+    sums.finish(interval_s)
+}
+
+/// A deviation over `m` intervals, the mean of `n` second differences.
+#[derive(Clone, Copy, Debug)]
+struct Deviation {
+    m: usize,
+    n: usize,
+    deviation: f64,
+}
+
+/// Adds to deviations of a series of `phases` phases how far they can be trusted.
+fn points(deviations: &[Deviation], phases: usize, interval_s: f64) -> Vec<AllanPoint> {
+    let curve: Vec<(usize, f64)> = deviations.iter().map(|of| (of.m, of.deviation)).collect();
     // A fall after a flatter stretch is no return to whiter noise: a hump ends, or chance has it.
     let mut noise = Noise::Quantization;
-    deviations
-        .iter()
-        .enumerate()
-        .map(|(place, &(m, deviation))| {
-            noise = noise.max(Noise::of_slope(slope(&deviations, place)));
-            let edf = noise.degrees_of_freedom(phases.len(), m);
-            AllanPoint {
-                tau_s: m as f64 * interval_s,
-                n: phases.len() - 2 * m,
-                deviation,
-                edf,
-                confidence: confidence::interval(deviation, edf),
-            }
-        })
-        .collect()
-}
-
-/// Sums of the first 0, 1, ... N values about a constant near their mean.
-fn phases(values: impl ExactSizeIterator<Item = f64> + Clone) -> Vec<f64> {
-    let mut total = Sum::default();
-    values.clone().for_each(|value| total.add(value));
-    let constant = f64::from((total.value() / values.len().max(1) as f64) as f32);
-    let mut phases = Vec::with_capacity(values.len() + 1);
-    let mut phase = Sum::default();
-    phases.push(0.0);
-    for value in values {
-        phase.add(value - constant);
-        phases.push(phase.value());
-    }
-    phases
-}
-
-fn deviation(phases: &[f64], m: usize) -> f64 {
-    let mut squares = Sum::default();
-    let later = phases[m..].iter().zip(&phases[2 * m..]);
-    for (first, (middle, last)) in phases.iter().zip(later) {
-        let difference = (last - middle) - (middle - first);
-        squares.add(difference * difference);
-    }
-    let n = (phases.len() - 2 * m) as f64;
-    (squares.value() / (2.0 * n)).sqrt() / m as f64
+    let point = |(place, &Deviation { m, n, deviation }): (usize, &Deviation)| {
+        noise = noise.max(Noise::of_slope(slope(&curve, place)));
+        let edf = noise.degrees_of_freedom(phases, m);
+        AllanPoint {
+            tau_s: m as f64 * interval_s,
+            n,
+            deviation,
+            edf,
+            confidence: confidence::interval(deviation, edf),
+        }
+    };
+    deviations.iter().enumerate().map(point).collect()
 }
 
 /// Slope of the curve in logarithms, from the neighbours of a point; 0 of a single point.

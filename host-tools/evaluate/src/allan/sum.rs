@@ -1,7 +1,7 @@
 //! A sum that does not lose what its additions round off.
 
 /// A sum and the error that was rounded off it (Neumaier, 1974).
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Sum {
     sum: f64,
     error: f64,

@@ -2,6 +2,7 @@
 
 use plotters::element::DashedPathElement;
 use plotters::prelude::*;
+use tempco_evaluate::allan::AllanPoint;
 use tempco_set::AxisSet;
 
 use super::canvas::{DrawError, FINE, Figure};
@@ -9,7 +10,7 @@ use super::frame::{BELOW, Key, LEFT, Mark, dot, line, muted, titled, triangle, w
 use super::log_scale::{around, tick, ticks};
 use super::palette::{AFTER, BEFORE, MUTED};
 use crate::ReportError;
-use crate::gather::{Deviation, GatheredAxis};
+use crate::gather::GatheredAxis;
 
 const KEYS: [Key; 3] = [
     (Mark::Triangle(BEFORE), "before"),
@@ -26,7 +27,7 @@ pub(super) fn draw(
     let [before, after] = &shown.allan;
     let points = || before.iter().chain(after);
     let x = around(points().map(|point| point.tau_s));
-    let y = around(points().flat_map(|point| point.interval));
+    let y = around(points().flat_map(|point| point.confidence));
     Figure::draw(
         format!("allan-{name}"),
         format!("Overlapping Allan deviation of {name}, before and after compensation"),
@@ -53,11 +54,11 @@ pub(super) fn draw(
                 chart.draw_series([dashes])?;
             }
             for (curve, colour, what) in [(before, BEFORE, "before"), (after, AFTER, "after")] {
-                let place = |point: &Deviation| (point.tau_s, point.deviation);
+                let place = |point: &AllanPoint| (point.tau_s, point.deviation);
                 let path: Vec<(f64, f64)> = curve.iter().map(place).collect();
                 chart.draw_series([PathElement::new(path, line(colour, 15))])?;
                 for point in curve {
-                    let ends = point.interval.map(|end| (point.tau_s, end.max(y.start)));
+                    let ends = point.confidence.map(|end| (point.tau_s, end.max(y.start)));
                     chart.draw_series([PathElement::new(ends, line(colour, 15))])?;
                     match what {
                         "before" => chart.draw_series([triangle(place(point), colour)])?,
@@ -67,8 +68,8 @@ pub(super) fn draw(
                         "{what}, {}: {}, 1 sigma {} to {}",
                         with_unit(point.tau_s, "s"),
                         with_unit(point.deviation, unit),
-                        tempco_evaluate::figure(point.interval[0]),
-                        tempco_evaluate::figure(point.interval[1])
+                        tempco_evaluate::figure(point.confidence[0]),
+                        tempco_evaluate::figure(point.confidence[1])
                     );
                     hovers.dot(chart.backend_coord(&place(point)), text);
                 }

@@ -1,7 +1,8 @@
 //! What is gathered of an axis.
 
+use tempco_evaluate::allan::AllanPoint;
+
 use super::MOST_TIMES;
-use super::allan::Deviation;
 use super::bins::Bins;
 use super::spread::{Merge, Spread};
 
@@ -59,9 +60,9 @@ pub(crate) struct GatheredAxis {
     /// What remained, means over `tau`, by rate of temperature.
     pub(crate) by_rate: Bins<Spread>,
     /// Rows over which the Allan deviations were taken.
-    pub(crate) allan_rows: u64,
+    pub(crate) allan_rows: usize,
     /// Allan deviations, raw and compensated.
-    pub(crate) allan: [Vec<Deviation>; 2],
+    pub(crate) allan: [Vec<AllanPoint>; 2],
 }
 
 impl AxisSums {
@@ -115,8 +116,8 @@ impl AxisSums {
     pub(super) fn finish(
         self,
         start_h: f64,
-        allan_rows: u64,
-        allan: [Vec<Deviation>; 2],
+        allan_rows: usize,
+        allan: [Vec<AllanPoint>; 2],
     ) -> GatheredAxis {
         let (rows, sums) = self.whole;
         let [raw, compensated] = sums.map(|sum| sum / rows);

@@ -1,10 +1,10 @@
 //! What is gathered of one log.
 
-use tempco_set::run::Applied;
+use tempco_evaluate::allan::LongestStretch;
+use tempco_set::run::{Applied, AxisOutput};
 
 use super::LogTimes;
 use super::channel::ChannelSums;
-use super::stretches::LongestStretch;
 
 /// Where a stretch of `tau` has less than this share of its rows, its mean is left out.
 const LEAST_COVERAGE: f64 = 0.25;
@@ -54,16 +54,14 @@ impl LogSums {
             self.stretch = number;
         }
         self.rows += 1.0;
-        let mut series = self.allan.at(time_s).series.iter_mut();
+        let both = |output: &AxisOutput| [output.raw[row], output.compensated[row]].map(f64::from);
+        self.allan.push(time_s, applied.axes.iter().flat_map(both));
         let mut outputs = applied.axes.iter();
         for (channel, points) in self.channels.iter_mut().zip(&applied.points) {
             channel.push(&points[row], self.times.interval_s, since_s);
             for (axis, output) in channel.axes.iter_mut().zip(outputs.by_ref()) {
-                let [raw, compensated] = [output.raw[row], output.compensated[row]].map(f64::from);
+                let [raw, compensated] = both(output);
                 axis.push(raw, compensated, since_s);
-                for (sums, value) in series.by_ref().take(2).zip([raw, compensated]) {
-                    sums.add(value);
-                }
             }
         }
     }

@@ -7,23 +7,19 @@
 //!       +-> time spent by temperature and rate
 //! ```
 
-mod allan;
 mod axis;
 mod bins;
 mod channel;
 mod log_sums;
 mod spread;
-mod stretches;
 
 use tempco_set::CoefficientSet;
 use tempco_set::run::Applied;
 
-pub(crate) use allan::{Deviation, MOST_CLUSTERS};
 pub(crate) use axis::{Direction, GatheredAxis};
 pub(crate) use channel::{GatheredChannel, Map};
 pub(crate) use spread::Spread;
 
-use allan::AllanSums;
 use channel::ChannelSums;
 use log_sums::LogSums;
 
@@ -114,10 +110,14 @@ impl Gatherer {
         for mut log in self.logs {
             log.close_stretch();
             gathered.starts_h.push(start_h);
-            let stretch = log.allan.longest();
-            let curve = |sums: &AllanSums| sums.curve(stretch.interval_s());
-            let mut series = stretch.series.iter().map(curve);
-            let mut next = || series.next().unwrap_or_default();
+            let stretch = log.allan.finish();
+            let mut curves = stretch.curves.into_iter();
+            let mut next = || {
+                let mut curve = curves.next().unwrap_or_default();
+                // A logarithm has no place for it.
+                curve.retain(|point| point.deviation > 0.0);
+                curve
+            };
             let mut number = 0;
             for (position, channel) in log.channels.into_iter().enumerate() {
                 let (shown, axes) = channel.finish(start_h);
@@ -261,7 +261,7 @@ mod tests {
         assert!((1.9 * start_h..2.0 * start_h).contains(&last_h), "{last_h}");
         let n: f64 = axis.by_temp.iter().map(|(_, p)| p[2].bias.n).sum();
         assert_eq!(n, 2.0 * ROWS as f64 / 1000.0);
-        assert_eq!(axis.allan_rows, ROWS as u64);
+        assert_eq!(axis.allan_rows, ROWS);
     }
 
     #[test]

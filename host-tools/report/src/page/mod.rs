@@ -14,7 +14,7 @@ use maud::{Markup, html};
 
 use crate::Subject;
 use crate::figure::{AxisFigures, Figure, Figures};
-use crate::gather::{Gathered, MOST_CLUSTERS};
+use crate::gather::Gathered;
 use crate::text::seconds;
 
 /// The whole page.
@@ -99,8 +99,7 @@ fn of_rows(subject: &Subject, gathered: &Gathered, figures: &Figures) -> Markup 
         }
         section {
             h2 { "Allan deviation" }
-            p { "Over the longest stretch without a gap, with 1-sigma intervals. Overlapping; in logs "
-                "of more than " (MOST_CLUSTERS) " rows, of adjacent means at the shortest times." }
+            p { "Overlapping, over the longest stretch without a gap, with 1-sigma intervals." }
             (of_axes(|axis| &axis.allan))
             @if let Some(evaluation) = subject.evaluation { (tables::allan(evaluation)) }
         }

@@ -52,7 +52,7 @@ pub(super) fn with_compensators<R>(
 }
 
 /// Runs rows through the core.
-type Step<'s> = dyn FnMut(&Rows) -> Applied + 's;
+pub(super) type Step<'s> = dyn FnMut(&Rows) -> Applied + 's;
 
 /// Without the type of what is fed, so that the compiler makes each shape of tables once.
 struct Run<'f>(&'f mut dyn FnMut(&mut Step));
