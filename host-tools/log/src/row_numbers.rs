@@ -16,8 +16,9 @@ impl RowNumbers {
         self.push_run(1, number);
     }
 
+    /// Adds consecutive numbers.
     #[inline]
-    fn push_run(&mut self, count: usize, first: u64) {
+    pub(super) fn push_run(&mut self, count: usize, first: u64) {
         match self.runs.back_mut() {
             Some((rows, number)) if *number + *rows as u64 == first => *rows += count,
             _ => self.runs.push_back((count, first)),

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::mpsc::Receiver;
 
 use super::binary::BinaryRows;
 use super::channel_columns::ChannelColumns;
@@ -11,7 +12,7 @@ use super::doubt::Doubt;
 use super::join::Joined;
 use super::layout::{Finder, Layout};
 use super::mapping::Mapping;
-use super::order::TimeOrder;
+use super::order::{Parsed, TimeOrder};
 use super::parquet::ParquetRows;
 use super::pipeline::Pipeline;
 use super::skipped::SkippedRows;
@@ -23,7 +24,7 @@ use super::{LogError, ReadOptions, Reading};
 const BLOCK_BYTES: usize = 1 << 18;
 
 /// Rows of a table read at a time.
-const TABLE_ROWS: usize = 1 << 16;
+const TABLE_ROWS: usize = 1 << 13;
 
 /// A log that is read in memory of a fixed size, however long it is.
 ///
@@ -41,7 +42,7 @@ pub struct LogStream {
 /// Where rows come from.
 enum Rows {
     Text(Pipeline),
-    Parquet(Box<ParquetRows>),
+    Parquet(Receiver<Result<Result<Parsed, String>, LogError>>),
     Binary(Box<BinaryRows>),
 }
 
@@ -110,7 +111,7 @@ impl LogStream {
         let (rows, layout) = match source.format {
             Format::Parquet => {
                 let (rows, layout) = ParquetRows::open(source, finder, skip, table_rows)?;
-                (Rows::Parquet(Box::new(rows)), layout)
+                (Rows::Parquet(rows.start()), layout)
             }
             Format::Ulog | Format::DataFlash => {
                 let (rows, layout) = BinaryRows::open(source, finder, skip, table_rows)?;
@@ -139,7 +140,7 @@ impl LogStream {
         while self.sha256.is_none() {
             let next = match &mut self.rows {
                 Rows::Text(rows) => rows.next(),
-                Rows::Parquet(rows) => rows.next(),
+                Rows::Parquet(rows) => rows.recv().expect("the thread ends after the last part"),
                 Rows::Binary(rows) => Ok(rows.next()),
             };
             // What is wrong with the rows that wait comes first.

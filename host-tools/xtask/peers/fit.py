@@ -1,9 +1,12 @@
 """The job of `tempco fit --model composite`, as one would write it with numpy.
 
-usage: fit.py pandas|polars LOG.csv
+usage: fit.py pandas|polars|duckdb LOG.csv
 
 Reads the log, runs a causal first-order filter of 60 s over the temperature, takes the rate from it,
 and solves 4 segments of 5 terms for 3 axes by numpy.linalg.lstsq.
+
+duckdb sums up the normal equations in SQL, in one pass that keeps no row. SQL has no recursive filter,
+so its rate is the change over 60 s. Its z is of the whole range.
 """
 
 import sys
@@ -45,9 +48,12 @@ def filtered(temp_c, alpha):
     return out
 
 
-def main():
-    read = {"pandas": read_pandas, "polars": read_polars}[sys.argv[1]]
-    time_s, temp_c, raw = read(sys.argv[2])
+def print_segment(low, high, coefficients):
+    print(low, high, coefficients.T.tolist())
+
+
+def fit_rows(read, path):
+    time_s, temp_c, raw = read(path)
     interval_s = np.median(np.diff(time_s))
     lagging = filtered(temp_c, 1.0 - np.exp(-interval_s / TAU_S))
     rate = (temp_c - lagging) / TAU_S * 60.0
@@ -57,7 +63,35 @@ def main():
         r = rate[rows]
         terms = np.column_stack([np.ones_like(z), z, z * z, r, r * z])
         coefficients, *_ = np.linalg.lstsq(terms, raw[rows], rcond=None)
-        print(low, high, coefficients.T.tolist())
+        print_segment(low, high, coefficients)
+
+
+def fit_duckdb(path):
+    import duckdb
+
+    log = f"read_csv('{path}')"
+    first, second = duckdb.sql(f"select time_s from {log} limit 2").fetchnumpy()["time_s"]
+    rows = round(TAU_S / (second - first))
+    rate = f"(temp_c - lag(temp_c, {rows}, temp_c) over ()) / {TAU_S / 60.0}::double"
+    # All edges of segments are multiples of 5 degC: the sums of such bins add up to those of segments.
+    terms = ["1::double", "z", "z * z", "r", "r * z"]
+    sums = ", ".join(f"sum({a} * {b})" for a in terms for b in terms + AXES)
+    binned = duckdb.sql(
+        f"select 5 * floor(temp_c / 5) as bin, {sums} from (select *, (temp_c - 30) / 50 as z from "
+        f"(select *, {rate} as r from {log})) group by bin"
+    ).fetchall()
+    for low, high in SEGMENTS:
+        within = [row[1:] for row in binned if low <= row[0] < high]
+        normal = np.array(within, dtype=float).sum(axis=0).reshape(5, 5 + len(AXES))
+        print_segment(low, high, np.linalg.solve(normal[:, :5], normal[:, 5:]))
+
+
+def main():
+    peer, path = sys.argv[1:]
+    if peer == "duckdb":
+        fit_duckdb(path)
+    else:
+        fit_rows({"pandas": read_pandas, "polars": read_polars}[peer], path)
 
 
 main()
