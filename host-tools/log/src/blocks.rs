@@ -49,6 +49,10 @@ impl Block {
     pub(super) fn text(&self) -> &[u8] {
         &self.bytes
     }
+
+    pub(super) fn into_bytes(self) -> Vec<u8> {
+        self.bytes
+    }
 }
 
 fn is_plain(text: &[u8]) -> bool {
@@ -83,12 +87,14 @@ impl<R: Read> Blocks<R> {
         }
     }
 
-    /// The next block; `None` at the end.
+    /// The next block, in the memory of a former one; `None` at the end.
     ///
     /// # Errors
     /// A failure of the stream, and a row that has no end within 16 MiB.
-    pub(super) fn next(&mut self) -> Result<Option<Block>, BlockError> {
-        let mut bytes = Vec::with_capacity(self.size.max(self.rest.len()) + 1);
+    pub(super) fn next(&mut self, former: Vec<u8>) -> Result<Option<Block>, BlockError> {
+        let mut bytes = former;
+        bytes.clear();
+        bytes.reserve(self.size.max(self.rest.len()) + 1);
         bytes.append(&mut self.rest);
         let mut size = self.size;
         let mut is_known_plain = false;
@@ -153,7 +159,7 @@ mod tests {
     fn texts(text: &str, size: usize) -> Vec<(u64, bool, String)> {
         let mut blocks = Blocks::new(text.as_bytes(), size, 1, b',');
         let mut all = Vec::new();
-        while let Some(block) = blocks.next().unwrap() {
+        while let Some(block) = blocks.next(Vec::new()).unwrap() {
             let text = String::from_utf8(block.text().to_vec()).unwrap();
             all.push((block.first_line, block.is_plain, text));
         }
@@ -194,7 +200,7 @@ mod tests {
     #[test]
     fn a_row_without_end_is_refused_in_bounded_memory() {
         let mut blocks = Blocks::new(io::repeat(b'1'), 1 << 20, 1, b',');
-        let error = blocks.next().unwrap_err();
+        let error = blocks.next(Vec::new()).unwrap_err();
         assert!(matches!(error, BlockError::Endless { line: 1 }));
         assert!(error.to_string().contains("16 MiB"), "{error}");
     }

@@ -61,11 +61,13 @@ impl Pipeline {
         let layout = Arc::new(Layout::of_text(header, encoding, finder)?);
 
         let (items_in, items) = sync_channel(DEPTH);
+        let (used_in, used) = channel();
         let reader = BlockReader {
             path: path.to_owned(),
             format,
             items: items_in,
-            jobs: start_parsers(&layout, skip_bad_rows),
+            jobs: start_parsers(&layout, skip_bad_rows, &used_in),
+            used,
         };
         thread::spawn(move || reader.run(blocks));
         Ok((Self { items }, layout))
@@ -94,18 +96,23 @@ fn failed(path: &Path, format: Format, cause: BlockError) -> LogError {
 type Job = (Block, Sender<Parsed>);
 
 /// Starts the threads that parse; they end when no more jobs can come.
-fn start_parsers(layout: &Arc<Layout>, skip_bad_rows: bool) -> SyncSender<Job> {
+fn start_parsers(
+    layout: &Arc<Layout>,
+    skip_bad_rows: bool,
+    used: &Sender<Vec<u8>>,
+) -> SyncSender<Job> {
     let (jobs_in, jobs) = sync_channel::<Job>(DEPTH);
     let jobs = Arc::new(Mutex::new(jobs));
     let cores = thread::available_parallelism().map_or(1, usize::from);
     for _ in 0..cores.min(MOST_PARSERS) {
-        let (jobs, layout) = (Arc::clone(&jobs), Arc::clone(layout));
+        let (jobs, layout, used) = (Arc::clone(&jobs), Arc::clone(layout), used.clone());
         thread::spawn(move || {
             loop {
                 let job = jobs.lock().unwrap_or_else(PoisonError::into_inner).recv();
                 let Ok((block, parsed)) = job else { break };
                 // Nobody waits any more if a row before was refused.
                 let _ = parsed.send(rows::parse(&layout, &block, skip_bad_rows));
+                let _ = used.send(block.into_bytes());
             }
         });
     }
@@ -117,12 +124,14 @@ struct BlockReader {
     format: Format,
     items: SyncSender<Item>,
     jobs: SyncSender<Job>,
+    /// Memory of blocks that were parsed.
+    used: Receiver<Vec<u8>>,
 }
 
 impl BlockReader {
     fn run(self, mut blocks: Blocks<Body>) {
         loop {
-            let block = match blocks.next() {
+            let block = match blocks.next(self.used.try_recv().unwrap_or_default()) {
                 Ok(Some(block)) => block,
                 Ok(None) => break,
                 Err(cause) => {
