@@ -25,9 +25,8 @@ pub(crate) struct Args {
     /// Print one JSON object as the last line
     #[arg(long)]
     json: bool,
-    /// Rows of the log that is fitted on the host
-    #[arg(long, value_name = "N", default_value_t = 1_000_000)]
-    rows: u32,
+    #[command(flatten)]
+    host: host::Args,
     /// What to measure; both, if not said
     #[arg(value_enum)]
     only: Option<Side>,
@@ -37,7 +36,7 @@ pub(crate) struct Args {
 enum Side {
     /// Executed instructions in QEMU
     Target,
-    /// Rows per second on this machine, next to pandas and polars with numpy
+    /// Rows per second on this machine, next to pandas, polars and DuckDB with numpy
     Host,
 }
 
@@ -48,7 +47,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         result.insert("target".to_owned(), target(&workspace)?);
     }
     if args.only != Some(Side::Target) {
-        result.insert("host".to_owned(), host::figures(&workspace, args.rows)?);
+        result.insert("host".to_owned(), host::figures(&workspace, &args.host)?);
     }
     if args.json {
         println!("{}", Value::Object(result));

@@ -1,4 +1,4 @@
-//! What users would write instead: pandas or polars with numpy, from PyPI.
+//! What users would write instead: pandas, polars or DuckDB with numpy, from PyPI.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -6,8 +6,8 @@ use std::process::Command;
 use anyhow::{Context, Result, ensure};
 use tempco_qemu::Workspace;
 
-/// Readers of CSV that `peers/fit.py` knows.
-pub(super) const PEERS: [&str; 2] = ["pandas", "polars"];
+/// What `peers/fit.py` can read CSV by.
+pub(super) const PEERS: [&str; 3] = ["pandas", "polars", "duckdb"];
 
 /// The Python of the peers, installed below `target` if it is not yet.
 pub(super) fn install(workspace: &Workspace) -> Result<PathBuf> {
@@ -39,6 +39,19 @@ pub(super) fn install(workspace: &Workspace) -> Result<PathBuf> {
         std::fs::copy(&wanted, &installed)?;
     }
     Ok(python)
+}
+
+/// The command that writes a log as Parquet.
+pub(super) fn parquet(workspace: &Workspace, python: &Path, log: &Path, to: &Path) -> Command {
+    let mut command = Command::new(python);
+    command
+        .arg(
+            workspace
+                .root()
+                .join("host-tools/xtask/peers/to_parquet.py"),
+        )
+        .args([log, to]);
+    command
 }
 
 /// The command by which a peer does the job.
