@@ -232,6 +232,23 @@ impl Layout {
         }
     }
 
+    /// A number of a table in the unit of the log; NaN stands for a blank temperature.
+    ///
+    /// # Errors
+    /// What is wrong with it.
+    pub(super) fn checked(slot: &Slot, found: f64) -> Result<f64, (Reason, String)> {
+        let value = slot.conversion.of(found);
+        if found.is_nan() && matches!(slot.kind, Kind::Temp(_)) {
+            return Ok(value);
+        }
+        if !found.is_finite() {
+            let message = format!("`{found}`: expected a finite number");
+            return Err((Reason::NotANumber, message));
+        }
+        let objection = Self::objection(slot.kind, value);
+        objection.map_or(Ok(value), |message| Err((Reason::OutOfRange, message)))
+    }
+
     /// What is wrong with a finite value; `None` if nothing is.
     pub(super) fn objection(kind: Kind, value: f64) -> Option<String> {
         if value.abs() > LARGEST_VALUE {

@@ -10,6 +10,7 @@
 //! | `encoding`, `head`, `dialect` | text: its encoding, separator and header |
 //! | `source`, `blocks`, `records`, `decimal`, `rows`, `pipeline` | text: unpacked, cut into blocks, parsed on all cores |
 //! | `parquet`, `parquet_file`, `parquet_columns`, `parquet_filters`, `time_types`, `pages` | tables of Parquet, columns of times, pages of bounded size |
+//! | `frame` | columns in memory |
 //! | `binary` | logs of autopilots: ULog of PX4, DataFlash of ArduPilot |
 //! | `names`, `known`, `mapping`, `time` | what names say; known loggers; columns that a user names |
 //! | `time_column`, `temp_columns`, `axis_columns`, `channel_columns`, `filter_columns`, `columns`, [`AxisUnit`] | which column is what, in which unit |
@@ -43,6 +44,7 @@ mod encoding;
 mod error;
 mod excerpt;
 mod filter_columns;
+mod frame;
 mod head;
 mod hold;
 mod interval;
@@ -91,10 +93,11 @@ pub use chunk::Chunk;
 pub use doubt::{Doubt, DoubtKind};
 pub use error::LogError;
 pub use excerpt::list_names;
+pub use frame::Frame;
 pub use interval::Intervals;
 pub use log::{Axis, Channel, Log};
 pub use mapping::Mapping;
-pub use read::{ReadOptions, Survey, read_log, read_log_observed, survey_log_observed};
+pub use read::{ReadOptions, Survey, read_frame, read_log, read_log_observed, survey_log_observed};
 pub use reading::Reading;
 pub use skipped::SkippedRows;
 pub use source::hex;

@@ -5,6 +5,7 @@ use std::path::Path;
 use super::axis_columns::AxisColumn;
 use super::channel_columns::ChannelColumns;
 use super::chunk::Chunk;
+use super::frame::{Frame, path_of};
 use super::interval::Intervals;
 use super::mapping::Mapping;
 use super::signals::{Finding, Signals};
@@ -47,11 +48,37 @@ pub fn read_log_observed(
     options: &ReadOptions,
     observer: impl FnMut(u64),
 ) -> Result<Log, LogError> {
+    whole(LogStream::open(path, options)?, path, options, observer)
+}
+
+/// Reads columns in memory as [`read_log`] reads the columns of a file.
+///
+/// # Errors
+/// Those of [`read_log`], with row and column.
+pub fn read_frame(frame: Frame, options: &ReadOptions) -> Result<Log, LogError> {
+    let path = path_of(&frame).to_owned();
+    whole(LogStream::of_frame(frame, options)?, &path, options, |_| ())
+}
+
+/// Reads a log to its end and keeps all rows.
+fn whole(
+    stream: LogStream,
+    path: &Path,
+    options: &ReadOptions,
+    observer: impl FnMut(u64),
+) -> Result<Log, LogError> {
     let mut rows: Option<Chunk> = None;
-    let (mut log, factors) = read_through(path, options, observer, |_, chunk| match &mut rows {
-        Some(rows) => rows.append(&chunk),
-        None => rows = Some(chunk),
-    })?;
+    let (mut log, factors) =
+        read_through(
+            stream,
+            path,
+            options,
+            observer,
+            |_, chunk| match &mut rows {
+                Some(rows) => rows.append(&chunk),
+                None => rows = Some(chunk),
+            },
+        )?;
     let rows = rows.unwrap_or_default();
     // The columns, with the axes in their units.
     log.time_s = rows.time_s;
@@ -90,7 +117,8 @@ pub fn survey_log_observed(
 ) -> Result<Survey, LogError> {
     let (mut rows, mut first_s, mut last_s) = (0, None, 0.0);
     let mut signals: Vec<Signals> = Vec::new();
-    let (head, _) = read_through(path, options, observer, |channels, chunk| {
+    let stream = LogStream::open(path, options)?;
+    let (head, _) = read_through(stream, path, options, observer, |channels, chunk| {
         rows += chunk.rows();
         last_s = *chunk.time_s.last().unwrap_or(&last_s);
         first_s = first_s.or(chunk.time_s.first().copied());
@@ -119,12 +147,12 @@ pub fn survey_log_observed(
 /// Reads a log to its end and passes its rows on, in the units of their columns. Returns the log
 /// without rows, and for each axis the factor that takes its column to the unit of the axis.
 fn read_through(
+    mut stream: LogStream,
     path: &Path,
     options: &ReadOptions,
     mut observer: impl FnMut(u64),
     mut sink: impl FnMut(&[ChannelColumns], Chunk),
 ) -> Result<(Log, Vec<f64>), LogError> {
-    let mut stream = LogStream::open(path, options)?;
     let (mut told, mut rows, mut intervals) = (0, 0, Intervals::new());
     while let Some(chunk) = stream.next_chunk()? {
         rows += chunk.rows();

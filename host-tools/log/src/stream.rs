@@ -9,6 +9,7 @@ use super::binary::BinaryRows;
 use super::channel_columns::ChannelColumns;
 use super::chunk::Chunk;
 use super::doubt::Doubt;
+use super::frame::{self, Frame, FrameRows};
 use super::join::Joined;
 use super::layout::{Finder, Layout};
 use super::mapping::Mapping;
@@ -44,6 +45,7 @@ enum Rows {
     Text(Pipeline),
     Parquet(Receiver<Result<Result<Parsed, String>, LogError>>),
     Binary(Box<BinaryRows>),
+    Frame(Box<FrameRows>),
 }
 
 impl LogStream {
@@ -55,6 +57,33 @@ impl LogStream {
     /// their units.
     pub fn open(path: &Path, options: &ReadOptions) -> Result<Self, LogError> {
         Self::open_in_parts(path, options, BLOCK_BYTES, TABLE_ROWS)
+    }
+
+    /// Opens columns in memory as a log.
+    ///
+    /// # Errors
+    /// Columns of different lengths, or whose names are not those of a log.
+    pub(super) fn of_frame(frame: Frame, options: &ReadOptions) -> Result<Self, LogError> {
+        let path = frame::path_of(&frame).to_owned();
+        let joined = options.mapping.join.as_ref().map(PathBuf::from);
+        let joined = joined.map(|file| read_joined(&file, options, &options.mapping));
+        let finder = Finder {
+            path: &path,
+            mapping: &options.mapping,
+            kept: &options.kept,
+            joined: joined.transpose()?,
+            without_axes: false,
+        };
+        let skip = options.skip_bad_rows;
+        let (rows, layout) = FrameRows::open(frame, &finder, skip, TABLE_ROWS)?;
+        Ok(Self {
+            rows: Rows::Frame(Box::new(rows)),
+            order: TimeOrder::new(&layout, skip),
+            layout,
+            bytes: None,
+            bytes_read: Arc::default(),
+            sha256: None,
+        })
     }
 
     /// Opens a log of which only time and temperatures are read.
@@ -142,6 +171,7 @@ impl LogStream {
                 Rows::Text(rows) => rows.next(),
                 Rows::Parquet(rows) => rows.recv().expect("the thread ends after the last part"),
                 Rows::Binary(rows) => Ok(rows.next()),
+                Rows::Frame(rows) => Ok(rows.next()),
             };
             // What is wrong with the rows that wait comes first.
             let next = next.or_else(|error| self.order.finish(&self.layout).and(Err(error)));

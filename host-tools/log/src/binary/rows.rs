@@ -155,25 +155,18 @@ impl BinaryRows {
         let mut time_s = None;
         let slots = self.layout.slots.iter().zip(&self.fields).zip(values);
         for ((slot, field), value) in slots {
-            let found = field.number.of(&bytes[field.offset..]);
-            *value = slot.conversion.of(found);
-            let is_blank = found.is_nan() && matches!(slot.kind, Kind::Temp(_));
-            let objection = if is_blank {
-                None
-            } else if !found.is_finite() {
-                let message = format!("`{found}`: expected a finite number");
-                Some((Reason::NotANumber, message))
-            } else {
-                let objection = Layout::objection(slot.kind, *value).or_else(|| match slot.kind {
-                    Kind::Axis(axis) => too_fast(&self.layout, axis, *value),
-                    _ => None,
-                });
-                objection.map(|message| (Reason::OutOfRange, message))
-            };
-            if let Some(objection) = objection {
+            let checked = Layout::checked(slot, field.number.of(&bytes[field.offset..]));
+            let checked = checked.and_then(|value| match slot.kind {
+                Kind::Axis(axis) => match too_fast(&self.layout, axis, value) {
+                    Some(message) => Err((Reason::OutOfRange, message)),
+                    None => Ok(value),
+                },
+                _ => Ok(value),
+            });
+            *value = checked.map_err(|objection| {
                 let row = (row as u64 + 1, time_s);
-                return Err(Bad::of_cell(&self.layout, row, slot.position, objection));
-            }
+                Bad::of_cell(&self.layout, row, slot.position, objection)
+            })?;
             time_s.get_or_insert(*value);
         }
         Ok(())
