@@ -7,9 +7,9 @@ use anyhow::{Context, Result, anyhow, bail, ensure};
 use tempco_fit::batch::{
     AxisResult, Outcome, SUMMARY_FILES, Summary, UnitLogs, UnitResult, check_serial, find_units,
 };
-use tempco_fit::{FitOptions, Plan, fit_summaries};
+use tempco_fit::{FitOptions, Plan};
 use tempco_log::{ReadOptions, parallel};
-use tempco_report::batch_page;
+use tempco_report::{Calibration, batch_page};
 use tempco_set::WarningCode;
 use tempco_set::files::write_files;
 use tempco_set::run::is_rereadable;
@@ -18,7 +18,7 @@ use crate::Exit;
 use crate::judgement::say_rejections;
 use crate::output::{WIDTH, percent, print, print_lines, print_wrapped, say, table, within};
 use crate::progress::Progress;
-use crate::set_files::{report_on, write};
+use crate::report::{reading_again, rows_of};
 use crate::shared_args::summary_of;
 
 /// Fits every unit found in `folder`; the serial number in `options` is replaced by the unit's.
@@ -106,17 +106,13 @@ fn fit_unit(
             log.reading()
         );
     }
-    let fit = fit_summaries(&logs, &options)?;
-    let judgement = fit.judge();
-    let report = if with_report {
-        let logs = logs.iter().zip(&unit.logs);
-        let tau_s = options.plan.tau_s;
-        Some(report_on(&fit.set, &judgement, logs, reading, tau_s)?)
-    } else {
-        None
-    };
-    write(&out.join(&unit.serial), &fit.set, report.as_ref())?;
-    Ok(UnitResult::new(&fit.set, judgement))
+    let rows = rows_of(&unit.logs);
+    let rows = Some(&rows[..]).filter(|_| with_report);
+    let observer = reading_again(&unit.logs);
+    let calibration = Calibration::new(&logs, &options, rows, reading, observer)?;
+    let folder = out.join(&unit.serial);
+    calibration.write(&folder).context("nothing was written")?;
+    Ok(UnitResult::new(&calibration.fit.set, calibration.judgement))
 }
 
 /// A row for each unit, with its worst axis.

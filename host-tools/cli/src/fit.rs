@@ -3,11 +3,12 @@
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
-use anyhow::{Result, bail, ensure};
+use anyhow::{Context, Result, bail, ensure};
 use serde_json::json;
 use tempco_fit::summary::{LogSummary, is_summary, read_summary};
-use tempco_fit::{FitOptions, Plan, fit_summaries};
+use tempco_fit::{FitOptions, Plan};
 use tempco_log::ReadOptions;
+use tempco_report::Calibration;
 use tempco_set::{CoefficientSet, file_names};
 
 use crate::Exit;
@@ -16,8 +17,7 @@ use crate::batch;
 use crate::method_args::MethodArgs;
 use crate::output::{figure, percent, print, print_lines, say, table};
 use crate::plan_args::PlanArgs;
-use crate::report::{ensure_rereadable, write_figures};
-use crate::set_files::{report_on, write};
+use crate::report::{ensure_rereadable, reading_again, rows_of, write_figures};
 use crate::set_tables::{show_choice, show_states};
 use crate::shared_args::{LogArgs, PrintArgs, Summaries};
 
@@ -184,29 +184,20 @@ fn write_set(
     options: &FitOptions,
     logs: &[LogSummary],
 ) -> Result<Exit> {
-    let fit = fit_summaries(logs, options)?;
-    let (set, judgement, out) = (&fit.set, fit.judge(), &place.out);
-    let report = if args.no_report {
-        None
-    } else {
-        let logs = logs.iter().zip(&args.logs);
-        Some(report_on(
-            set,
-            &judgement,
-            logs,
-            reading,
-            options.plan.tau_s,
-        )?)
-    };
-    if let (Some(report), Some(folder)) = (&report, &place.figures) {
+    let rows = rows_of(&args.logs);
+    let rows = Some(&rows[..]).filter(|_| !args.no_report);
+    let observer = reading_again(&args.logs);
+    let calibration = Calibration::new(logs, options, rows, reading, observer)?;
+    let (set, judgement, out) = (&calibration.fit.set, &calibration.judgement, &place.out);
+    if let (Some(report), Some(folder)) = (&calibration.report, &place.figures) {
         write_figures(report, folder)?;
     }
-    write(out, set, report.as_ref())?;
+    calibration.write(out).context("nothing was written")?;
 
     let names: Vec<&str> = file_names(!args.no_report).collect();
     let answer = Answer {
         set,
-        judgement: &judgement,
+        judgement,
         evaluation: None,
         is_against: false,
         notes: set.channels.iter().flat_map(channel_notes).collect(),

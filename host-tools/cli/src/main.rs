@@ -20,7 +20,6 @@ mod port_args;
 mod progress;
 mod replay;
 mod report;
-mod set_files;
 mod set_tables;
 mod shared_args;
 #[cfg_attr(windows, path = "ctrl_c.rs")]

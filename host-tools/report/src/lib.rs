@@ -9,17 +9,21 @@
 //! The figures are drawn from what a [`Gatherer`] has collected of the rows, so that a log of any
 //! length can be shown. The numbers in the tables are the set's and the evaluation's own.
 //!
+//! A [`Calibration`] is the whole way of a unit, from summaries of its logs to its files.
+//!
 //! [`batch_page`] makes a page of the summary of a batch, in the same frame and style.
 #![forbid(unsafe_code)]
 
 mod band;
 mod batch;
+mod calibration;
 mod figure;
 mod gather;
 mod page;
 mod text;
 
 pub use batch::batch_page;
+pub use calibration::{Calibration, CalibrationError, Rows, ShownLog, gather};
 pub use gather::{Gatherer, LogTimes};
 pub use text::{LAGS, gain, held_out_caption, lags, states, table};
 

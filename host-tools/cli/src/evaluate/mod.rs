@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, ensure};
 use tempco_evaluate::{Evaluation, Role, evaluate, evaluate_file, judge, sign_off};
 use tempco_log::Log;
-use tempco_report::{Report, Subject};
-use tempco_set::run::{KnownLog, is_rereadable};
+use tempco_report::{Report, Rows, ShownLog, Subject, gather};
+use tempco_set::run::is_rereadable;
 use tempco_set::{CoefficientSet, Judgement};
 
 use crate::Exit;
@@ -16,7 +16,7 @@ use crate::answer::Answer;
 use crate::image::is_image;
 use crate::output::{say, write_file};
 use crate::progress::Progress;
-use crate::report::{Found, ensure_rereadable, gather, write_figures};
+use crate::report::{ensure_rereadable, reading_again, write_figures};
 use crate::shared_args::{PrintArgs, SetAndLog, averaging_time, load_set_for};
 
 /// Judge a coefficient set on a log, before and after compensation
@@ -67,13 +67,13 @@ pub(crate) fn run(args: &Args) -> Result<Exit> {
         );
         ensure_rereadable(std::slice::from_ref(&args.put.log))?;
     }
-    let (mut set, evaluation, found) = evaluated(args)?;
+    let (mut set, evaluation, shown) = evaluated(args)?;
     if args.sign_off {
         ensure_can_sign_off(&args.put.set, &evaluation)?;
         set.sign_offs.push(sign_off(&evaluation));
     }
     let judgement = judge(&set, Some(&evaluation));
-    write_report(args, &set, &evaluation, &judgement, found)?;
+    write_report(args, &set, &evaluation, &judgement, shown)?;
     let answer = Answer {
         set: &set,
         judgement: &judgement,
@@ -96,16 +96,18 @@ pub(crate) fn run(args: &Args) -> Result<Exit> {
 }
 
 /// The set, how it does on the log, and what is known of that.
-fn evaluated(args: &Args) -> Result<(CoefficientSet, Evaluation, Found)> {
+fn evaluated(args: &Args) -> Result<(CoefficientSet, Evaluation, ShownLog<'_>)> {
     let path = &args.put.log;
     let at_log = || path.display().to_string();
     let against = |log: &Log| {
         let path = args.against.as_deref();
         path.map(|path| load_set_for(path, log)).transpose()
     };
-    let found = |log: &Log, duration_s| Found {
-        log: KnownLog::new(path, log),
+    let shown = |log: &Log, duration_s| ShownLog {
+        rows: Rows::File(path),
+        interval_s: log.interval_s,
         duration_s,
+        sha256: log.sha256.clone(),
     };
     if is_rereadable(path) {
         // The interval must be known first, so the log is read twice: no row is kept in memory.
@@ -116,13 +118,13 @@ fn evaluated(args: &Args) -> Result<(CoefficientSet, Evaluation, Found)> {
         let log = (path.as_path(), &survey);
         let evaluation = evaluate_file(&set, log, &options, against.as_ref(), args.tau, observer);
         let evaluation = evaluation.with_context(at_log)?;
-        return Ok((set, evaluation, found(&survey.head, survey.duration_s)));
+        return Ok((set, evaluation, shown(&survey.head, survey.duration_s)));
     }
     let (set, log) = args.put.read()?;
     let against = against(&log)?;
     let evaluation = evaluate(&set, &log, against.as_ref(), args.tau).with_context(at_log)?;
     let duration_s = log.time_s[log.rows() - 1] - log.time_s[0];
-    Ok((set, evaluation, found(&log, duration_s)))
+    Ok((set, evaluation, shown(&log, duration_s)))
 }
 
 /// Names the files that were written.
@@ -139,13 +141,14 @@ fn write_report(
     set: &CoefficientSet,
     evaluation: &Evaluation,
     judgement: &Judgement,
-    found: Found,
+    shown: ShownLog,
 ) -> Result<()> {
     if args.report.is_none() && args.figures.is_none() {
         return Ok(());
     }
     let reading = args.put.reading.options(Some(set))?;
-    let gathered = gather(set, args.tau, &[found], &reading)?;
+    let observer = reading_again(std::slice::from_ref(&args.put.log));
+    let gathered = gather(set, args.tau, &[shown], &reading, observer)?;
     let subject = Subject {
         set,
         evaluation: Some(evaluation),
