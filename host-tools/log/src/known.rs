@@ -144,7 +144,11 @@ fn ardupilot(signs: &Signs) -> Result<Option<Known>, String> {
 
 /// FlySight 2; its header was made from the lines `$COL,IMU` and `$UNIT,IMU`.
 fn flysight(signs: &Signs) -> Result<Option<Known>, String> {
-    if signs.header.first().is_none_or(|first| first != FLYSIGHT_ROW) {
+    if signs
+        .header
+        .first()
+        .is_none_or(|first| first != FLYSIGHT_ROW)
+    {
         return Ok(None);
     }
     let with_unit = |name: &str| {

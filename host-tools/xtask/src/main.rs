@@ -7,6 +7,7 @@ mod figure;
 mod golden;
 mod paper;
 mod prove;
+mod python;
 mod run;
 mod test;
 mod verify;

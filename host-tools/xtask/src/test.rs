@@ -4,7 +4,7 @@ use anyhow::{Result, ensure};
 use tempco_qemu::{Board, Workspace, ensure_qemu, ensure_target, ensure_target_of};
 
 use crate::run::{cargo, run as step, run_and_read};
-use crate::windows;
+use crate::{python, windows};
 
 const FIRMWARE: &str = "tempco-firmware";
 const TEST_IMAGES: &str = "tempco-test-images";
@@ -64,12 +64,18 @@ pub(crate) fn run() -> Result<()> {
     );
     let (output, succeeded) = run_and_read(&workspace, &mut test)?;
     let [passed, failed] = ["passed", "failed"].map(|what| count(&output, what));
-    if let Some(skipped) = skipped {
-        println!("\nSKIPPED: {skipped}");
+    if !succeeded || failed > 0 {
+        println!("\n{passed} passed, {failed} failed");
     }
-    println!("\n{passed} passed, {failed} failed");
     ensure!(succeeded && failed == 0, "tests failed");
     ensure!(passed > 0, "no test ran");
+    let of_python = python::test(&workspace)?;
+    let skipped = skipped.as_ref().into_iter().chain(of_python.as_ref().err());
+    for skipped in skipped {
+        println!("\nSKIPPED: {skipped}");
+    }
+    let passed = passed + of_python.unwrap_or(0);
+    println!("\n{passed} passed, {failed} failed");
     Ok(())
 }
 

@@ -63,7 +63,7 @@ impl Job<'_> {
 }
 
 /// Uses logs of each size: process start included, all programs in one run since the machine's load
-/// shows in each. The figures are those of the last size; `sizes` has the processor time of `fit`
+/// shows in each. The figures are of the last size; `sizes` has the processor time of `fit`
 /// for every one.
 pub(super) fn figures(workspace: &Workspace, args: &Args) -> Result<Value> {
     let program = build_tempco(workspace, &["--release"])?;

@@ -3,42 +3,21 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use anyhow::{Context, Result, ensure};
+use anyhow::Result;
 use tempco_qemu::Workspace;
+
+use crate::python::environment;
 
 /// What `peers/fit.py` can read CSV by.
 pub(super) const PEERS: [&str; 3] = ["pandas", "polars", "duckdb"];
 
-/// The Python of the peers, installed below `target` if it is not yet.
+/// The Python of the peers.
 pub(super) fn install(workspace: &Workspace) -> Result<PathBuf> {
-    let folder = workspace.root().join("target/peers");
-    let bin = if cfg!(windows) { "Scripts" } else { "bin" };
-    let python = folder.join(bin).join("python");
-    let wanted = workspace
-        .root()
-        .join("host-tools/xtask/peers/requirements.txt");
-    let installed = folder.join("requirements.txt");
-    let is_there = std::fs::read(&installed)
-        .is_ok_and(|former| std::fs::read(&wanted).is_ok_and(|wanted| wanted == former));
-    if !is_there {
-        let done = |command: &mut Command| -> Result<()> {
-            let status = command.status().with_context(|| format!("{command:?}"))?;
-            ensure!(status.success(), "{command:?} ended with {status}");
-            Ok(())
-        };
-        done(Command::new("python3").args(["-m", "venv"]).arg(&folder))?;
-        let pip = [
-            "-m",
-            "pip",
-            "install",
-            "--quiet",
-            "--disable-pip-version-check",
-            "-r",
-        ];
-        done(Command::new(&python).args(pip).arg(&wanted))?;
-        std::fs::copy(&wanted, &installed)?;
-    }
-    Ok(python)
+    environment(
+        workspace,
+        "peers",
+        "host-tools/xtask/peers/requirements.txt",
+    )
 }
 
 /// The command that writes a log as Parquet.

@@ -1,0 +1,39 @@
+"""What the documents show is run, in order, in a folder of its own."""
+
+import json
+from pathlib import Path
+
+import matplotlib
+import pytest
+
+matplotlib.use("agg")
+
+ROOT = Path(__file__).parents[3]
+
+
+def blocks(document: Path) -> list[str]:
+    parts = document.read_text().split("```python\n")[1:]
+    return [part.split("```")[0] for part in parts]
+
+
+def cells(notebook: Path) -> list[str]:
+    cells = json.loads(notebook.read_text())["cells"]
+    return ["".join(cell["source"]) for cell in cells if cell["cell_type"] == "code"]
+
+
+SHOWN = {
+    "docs/python.md": (blocks, 5),
+    "docs/notebook.ipynb": (cells, 6),
+}
+
+
+@pytest.mark.parametrize("name", SHOWN)
+def test_what_is_shown_runs(name, tmp_path, monkeypatch):
+    read, count = SHOWN[name]
+    parts = read(ROOT / name)
+    assert len(parts) == count
+    monkeypatch.chdir(tmp_path)
+    names = {}
+    for number, part in enumerate(parts):
+        exec(compile(part, f"{name}, part {number + 1}", "exec"), names)
+    assert (tmp_path / "RLG-7" / "table.bin").is_file()

@@ -1,0 +1,141 @@
+"""Logs from frames of every kind, and what is refused."""
+
+import numpy as np
+import pandas as pd
+import polars as pl
+import pyarrow as pa
+import pytest
+
+import tempco
+
+AXES = {name: (f"{name}_pulses", "pulses") for name in "xyz"}
+
+
+def structured(columns):
+    array = np.zeros(len(columns["time_s"]), dtype=[(name, "f8") for name in columns])
+    for name, values in columns.items():
+        array[name] = values
+    return array
+
+
+FRAMES = {
+    "dict": dict,
+    "structured": structured,
+    "pandas": pd.DataFrame,
+    "polars": pl.DataFrame,
+    "pyarrow": pa.table,
+    "nullable": lambda columns: pd.DataFrame(columns).convert_dtypes(),
+    "strided": lambda columns: {name: np.repeat(of, 2)[::2] for name, of in columns.items()},
+    "reversed twice": lambda columns: {name: of[::-1].copy()[::-1] for name, of in columns.items()},
+    "integers": lambda columns: {
+        name: of.astype(np.int32) if "pulses" in name else of for name, of in columns.items()
+    },
+    "big-endian": lambda columns: {name: of.astype(">f8") for name, of in columns.items()},
+    "masked": lambda columns: {name: np.ma.array(of) for name, of in columns.items()},
+}
+
+
+@pytest.mark.parametrize("kind", FRAMES)
+def test_frames_of_every_kind_give_the_same_log(kind, columns):
+    expected = tempco.Log(columns)
+    found = tempco.Log(FRAMES[kind](columns))
+    assert found.sha256 == expected.sha256
+    assert found.axes == [(name, "pulses_per_s", "temp_c") for name in "xyz"]
+    for name, values in expected.columns().items():
+        np.testing.assert_array_equal(found.columns()[name], values)
+
+
+def test_arrays_that_cannot_be_written_are_read(columns):
+    for values in columns.values():
+        values.flags.writeable = False
+    assert len(tempco.Log(columns)) == len(columns["time_s"])
+
+
+def test_columns_can_have_any_name_and_unit(columns):
+    start = np.datetime64("2026-11-29T09:00:00")
+    other = {
+        "stamp": start + (1e9 * columns["time_s"]).astype("timedelta64[ns]"),
+        "T:sensor": columns["temp_c"].astype(np.float64) + 273.15,
+        "note": ["a"] * len(columns["time_s"]),
+        **{f"gyro {name}": columns[f"{name}_pulses"] for name in "xyz"},
+    }
+    axes = {name: (f"gyro {name}", "pulses") for name in "xyz"}
+    found = tempco.Log(other, time="stamp:s", temp="T:sensor:k", axes=axes)
+    expected = tempco.Log(columns)
+    np.testing.assert_allclose(found.columns()["time_s"], expected.columns()["time_s"])
+    np.testing.assert_allclose(found.columns()["T:sensor"], expected.columns()["temp_c"], atol=1e-4)
+
+
+def test_a_scale_factor_makes_angles_of_pulses(columns):
+    log = tempco.Log(columns, scale_factor=0.5)
+    assert log.axes[0][1] == "dph"
+    expected = 0.5 * columns["x_pulses"] / log.interval_s
+    np.testing.assert_allclose(log.columns()["x_dph"], expected)
+
+
+def test_a_frame_of_the_numbers_of_a_file_is_the_log_of_the_file(columns, tmp_path):
+    path = tmp_path / "log.csv"
+    pl.DataFrame(columns).write_csv(path)
+    of_file = tempco.read(path)
+    of_frame = tempco.Log(pd.read_csv(path))
+    fits = [tempco.fit(log, "S1", model="static") for log in (of_file, path, of_frame)]
+    assert len({of.table_crc32 for of in fits}) == 1
+
+
+def bad(columns, **changed):
+    return {**columns, **changed}
+
+
+def with_value(values, row, value):
+    values = values.astype(np.float64)
+    values[row] = value
+    return values
+
+
+REFUSED = {
+    "nothing": (lambda c: {}, "no time column"),
+    "no frame": (lambda c: 7, "expected a frame"),
+    "no axis": (lambda c: {"time_s": c["time_s"], "temp_c": c["temp_c"]}, "no axis column"),
+    "lengths": (lambda c: bad(c, temp_c=c["temp_c"][:-1]), "column `temp_c` has"),
+    "shape": (lambda c: bad(c, temp_c=np.zeros((2, 2))), "has the shape (2, 2)"),
+    "scalar": (lambda c: bad(c, temp_c=1.0), "has the shape ()"),
+    "empty": (lambda c: {name: of[:0] for name, of in c.items()}, "expected at least 2"),
+    "one row": (lambda c: {name: of[:1] for name, of in c.items()}, "expected at least 2"),
+    "text": (lambda c: bad(c, temp_c=["a"] * len(c["temp_c"])), "without numbers: `temp_c`"),
+    "objects": (lambda c: bad(c, temp_c=[None] * len(c["temp_c"])), "without numbers: `temp_c`"),
+    "complex": (lambda c: bad(c, temp_c=c["temp_c"] * 1j), "without numbers: `temp_c`"),
+    "NaN": (
+        lambda c: bad(c, x_pulses=with_value(c["x_pulses"], 4, np.nan)),
+        "row 5, column 3 `x_pulses`: `NaN`: expected a finite number",
+    ),
+    "infinite": (lambda c: bad(c, x_pulses=with_value(c["x_pulses"], 4, np.inf)), "row 5"),
+    "too large": (lambda c: bad(c, x_pulses=with_value(c["x_pulses"], 4, 1e30)), "1e20 at most"),
+    "kelvin": (lambda c: bad(c, temp_c=c["temp_c"] + 273.15), "is it in kelvin?"),
+    "back in time": (
+        lambda c: bad(c, time_s=with_value(c["time_s"], 4, 0.5)),
+        "expected time to increase",
+    ),
+    "still": (lambda c: bad(c, time_s=0.0 * c["time_s"]), "expected"),
+    "NaN time": (lambda c: bad(c, time_s=with_value(c["time_s"], 0, np.nan)), "row 1"),
+}
+
+
+@pytest.mark.parametrize("kind", REFUSED)
+def test_what_is_no_log_is_refused_with_its_place(kind, columns):
+    change, words = REFUSED[kind]
+    with pytest.raises(tempco.LogError) as refused:
+        tempco.Log(change(columns), name="mine")
+    assert words in str(refused.value), refused.value
+
+
+def test_bad_rows_can_be_left_out(columns):
+    data = bad(columns, x_pulses=with_value(columns["x_pulses"], 4, np.nan))
+    log = tempco.Log(data, skip_bad_rows=True)
+    assert len(log) == len(columns["time_s"]) - 1
+    assert any("1 bad rows left out" in note for note in log.notes)
+
+
+def test_blank_temperatures_are_held(columns):
+    temp_c = with_value(columns["temp_c"], 4, np.nan)
+    log = tempco.Log(bad(columns, temp_c=temp_c))
+    assert log.columns()["temp_c"][4] == log.columns()["temp_c"][3]

@@ -1,0 +1,100 @@
+//! Python: environments of packages, and the tests of the Python module.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::{Context, Result, ensure};
+use tempco_qemu::{Workspace, ensure_program};
+
+use crate::run::{build_tempco, cargo, run as step, run_and_read};
+
+/// The crate of the module, below the root of the workspace.
+const MODULE: &str = "host-tools/python";
+
+/// A Python with the packages of a list, in a folder below `target`. It is made where it is not there
+/// yet, or was made of another list.
+///
+/// # Errors
+/// No Python, no module `venv`, or packages that cannot be had.
+pub(crate) fn environment(workspace: &Workspace, name: &str, list: &str) -> Result<PathBuf> {
+    let folder = workspace.root().join("target").join(name);
+    let bin = if cfg!(windows) { "Scripts" } else { "bin" };
+    let python = folder.join(bin).join("python");
+    let wanted = workspace.root().join(list);
+    let installed = folder.join("requirements.txt");
+    let is_there = fs::read(&installed)
+        .is_ok_and(|former| fs::read(&wanted).is_ok_and(|wanted| wanted == former));
+    if !is_there {
+        ensure_program(workspace, "python3", &["python3"])?;
+        let make = || {
+            let mut venv = Command::new("python3");
+            venv.args(["-m", "venv"]).arg(&folder).output()
+        };
+        if !make()?.status.success() {
+            // Debian has it in a package of its own. No program of that name: it is installed.
+            ensure_program(workspace, "python3-venv", &["python3-venv"])?;
+            let made = make()?;
+            let said = String::from_utf8_lossy(&made.stderr).into_owned();
+            ensure!(made.status.success(), "python3 -m venv: {said}");
+        }
+        let mut pip = Command::new(&python);
+        pip.args(["-m", "pip", "install", "--quiet"]);
+        pip.args(["--disable-pip-version-check", "-r"]).arg(&wanted);
+        step(workspace, &mut pip)?;
+        fs::copy(&wanted, &installed)?;
+    }
+    Ok(python)
+}
+
+/// Runs the tests of the Python module; returns how many passed, or why they were skipped.
+pub(crate) fn test(workspace: &Workspace) -> Result<Result<u32, String>> {
+    let list = format!("{MODULE}/tests/requirements.txt");
+    let python = match environment(workspace, "python", &list) {
+        Ok(python) => python,
+        Err(missing) => return Ok(Err(format!("the tests of the Python module: {missing:#}"))),
+    };
+    let command = build_tempco(workspace, &[])?;
+    let build = ["build", "--locked", "--package", "tempco-python"];
+    step(workspace, &mut cargo(workspace, &build))?;
+    let package = package(workspace, command.parent().context("a folder")?)?;
+    let module = workspace.root().join(MODULE);
+    let mut pytest = Command::new(python);
+    pytest
+        .current_dir(workspace.root())
+        .args(["-m", "pytest", "--quiet", "--color=no"])
+        // Nothing is written into the sources.
+        .args(["-p", "no:cacheprovider", "--doctest-modules"])
+        .arg(package.join("tempco"))
+        .arg(module.join("tests"))
+        .env("PYTHONDONTWRITEBYTECODE", "1")
+        .env("PYTHONPATH", &package)
+        .env("TEMPCO_COMMAND", command);
+    let (output, succeeded) = run_and_read(workspace, &mut pytest)?;
+    ensure!(succeeded, "tests of the Python module failed");
+    let counts = output.lines().rev().find_map(|line| {
+        let (count, _) = line.split_once(" passed")?;
+        count.rsplit(' ').next()?.parse().ok()
+    });
+    Ok(Ok(counts.context("pytest did not say how many passed")?))
+}
+
+/// Puts the package together, with the module that was built into `built`; returns the folder to import
+/// it from.
+fn package(workspace: &Workspace, built: &Path) -> Result<PathBuf> {
+    let folder = workspace.root().join("target/python-package");
+    let package = folder.join("tempco");
+    fs::create_dir_all(&package)?;
+    let sources = workspace.root().join(MODULE).join("python/tempco");
+    for source in fs::read_dir(sources)? {
+        let source = source?;
+        if source.file_type()?.is_file() {
+            fs::copy(source.path(), package.join(source.file_name()))?;
+        }
+    }
+    fs::copy(
+        built.join("libtempco_python.so"),
+        package.join("_core.abi3.so"),
+    )?;
+    Ok(folder)
+}
