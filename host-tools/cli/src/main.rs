@@ -15,6 +15,7 @@ mod judgement;
 mod method_args;
 mod monitor;
 mod output;
+mod parameters;
 mod plan_args;
 mod port_args;
 mod progress;
@@ -55,6 +56,8 @@ enum Command {
     Evaluate(evaluate::Args),
     Inspect(inspect::Args),
     Simulate(simulate::Args),
+    Export(parameters::ExportArgs),
+    Import(parameters::ImportArgs),
     Replay(replay::Args),
     FlashSet(flash_set::Args),
     Monitor(monitor::Args),
@@ -92,6 +95,8 @@ fn main() -> ExitCode {
         Command::Evaluate(args) => evaluate::run(&args),
         Command::Inspect(args) => inspect::run(&args),
         Command::Simulate(args) => simulate::run(&args),
+        Command::Export(args) => parameters::export(&args),
+        Command::Import(args) => parameters::import(&args),
         Command::Replay(args) => replay::run(&args),
         Command::FlashSet(args) => flash_set::run(&args),
         Command::Monitor(args) => monitor::run(&args),

@@ -24,7 +24,7 @@ mod _core {
     #[pymodule_export]
     use crate::log::Log;
     #[pymodule_export]
-    use crate::set::{Set, fit, load};
+    use crate::set::{Set, fit, import_parameters, load};
     #[pymodule_export]
     use crate::simulation::simulate;
     #[pymodule_export]

@@ -9,7 +9,9 @@ use serde::Serialize;
 use tempco_evaluate::{Evaluation, evaluate, judge};
 use tempco_fit::FitOptions;
 use tempco_fit::summary::LogSummary;
+use tempco_log::AxisUnit;
 use tempco_report::{Calibration, Rows};
+use tempco_set::parameters::{self, Autopilot, export_parameters};
 use tempco_set::run::apply_to_log;
 use tempco_set::{CoefficientSet, Judgement, load_set, table_bin, table_h, table_rs, write_set};
 
@@ -95,6 +97,47 @@ pub(crate) fn load(py: Python, path: PathBuf) -> PyResult<Set> {
     })
 }
 
+/// What an axis loses: name and unit, range at rest, largest and RMS difference, rate and history.
+type LossFields = ((String, &'static str), f64, (f64, f64), f64);
+
+/// Makes a set of the parameters of an autopilot.
+#[pyfunction]
+pub(crate) fn import_parameters(
+    py: Python,
+    path: PathBuf,
+    from: &str,
+    instance: Option<u32>,
+    unit: &str,
+    serial: &str,
+) -> PyResult<Set> {
+    let autopilot = autopilot(from)?;
+    let instance = instance.unwrap_or(*autopilot.instances().start());
+    let units = [AxisUnit::Dph, AxisUnit::Dps, AxisUnit::Radps];
+    let found = units.into_iter().find(|known| known.name() == unit);
+    let Some(unit) = found else {
+        let message = format!("unit `{unit}`: expected dph, dps or radps");
+        return Err(SetError::new_err(message));
+    };
+    let imported = work(py, || {
+        parameters::import_parameters(&path, autopilot, instance, unit, serial).map_err(of_set)
+    })?;
+    Ok(Set {
+        judgement: judge(&imported.set, None),
+        set: imported.set,
+        report: None,
+    })
+}
+
+fn autopilot(name: &str) -> PyResult<Autopilot> {
+    match name {
+        "px4" => Ok(Autopilot::Px4),
+        "ardupilot" => Ok(Autopilot::ArduPilot),
+        other => Err(SetError::new_err(format!(
+            "`{other}`: expected px4 or ardupilot"
+        ))),
+    }
+}
+
 #[pymethods]
 impl Set {
     /// Serial number of the unit.
@@ -157,6 +200,26 @@ impl Set {
             (&axis.name[..], axis.unit.name(), &temperature[..])
         })
         .collect()
+    }
+
+    /// The set as parameters of an autopilot: their text, and for each axis its name, its unit, the range
+    /// of its bias at rest, how far the cubic is off at most and as RMS, and what rate and history add.
+    fn export(
+        &self,
+        to: &str,
+        instance: Option<u32>,
+        device_id: i32,
+    ) -> PyResult<(String, Vec<LossFields>)> {
+        let autopilot = autopilot(to)?;
+        let instance = instance.unwrap_or(*autopilot.instances().start());
+        let exported = export_parameters(&self.set, autopilot, instance, device_id)
+            .map_err(SetError::new_err)?;
+        let losses = exported.losses.into_iter().map(|of| {
+            let (static_range, cubic) = (of.static_range, (of.largest, of.rms));
+            let axis = (of.axis, of.unit.name());
+            (axis, static_range, cubic, of.rate_and_history)
+        });
+        Ok((exported.text, losses.collect()))
     }
 
     /// Runs the core over a log. Returns the columns that `tempco apply` writes, and status as flags.

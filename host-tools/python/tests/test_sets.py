@@ -176,6 +176,29 @@ def test_the_command_takes_a_summary_of_python(command, columns, unit, tmp_path)
     assert by_command.table_crc32 == by_python.table_crc32
 
 
+def test_a_set_becomes_parameters_and_comes_back(tmp_path):
+    log = tempco.simulate("mems", "calibration", seed=1, rate_hz=0.5)
+    unit = tempco.fit(log, "S1", model="composite")
+    assert log.axes[0][1] == "dps"
+    for to, name in (("px4", "TC_G0_X3_2"), ("ardupilot", "INS_TCAL1_GYR3_Z")):
+        exported = unit.export(to, device_id=7)
+        assert name in exported.text
+        for loss in exported.losses:
+            assert 0 < loss.rms < loss.largest < 0.1 * loss.static_range
+            assert loss.rate_and_history > 0
+        path = tmp_path / to
+        path.write_text(exported.text)
+        again = tempco.import_parameters(path, to, unit="dps")
+        figures = again.evaluate(log).axes
+        assert all(axis["improvement"] > 0.5 for axis in figures)
+    with pytest.raises(tempco.SetError):
+        unit.export("betaflight")
+    with pytest.raises(tempco.SetError):
+        unit.export("px4", instance=9)
+    with pytest.raises(tempco.SetError):
+        tempco.import_parameters(tmp_path / "px4", "ardupilot")
+
+
 def test_no_panic_crosses_the_border(columns):
     """A sweep of odd numbers in every column: a log, or an exception of this package."""
     values = [0.0, -0.0, 1e-308, 5e-324, 1e20, -1e20, 1e300, np.inf, -np.inf, np.nan, 2.0**63]

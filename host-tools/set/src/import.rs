@@ -68,8 +68,37 @@ pub(crate) fn static_coefficients(path: &Path, text: &str) -> Result<Coefficient
         ));
     }
     let segmentation = Segmentation::new(segments).map_err(|error| error.to_string())?;
+    let axes = gyros.into_iter().map(|(name, _, polynomials)| {
+        let name = name.to_lowercase();
+        (name, AxisUnit::PulsesPerS, polynomials)
+    });
+    static_set(
+        Source { path, text, rows },
+        "imported",
+        &segmentation,
+        Overlap::Linear,
+        axes.collect(),
+    )
+}
+
+/// The file that coefficients were read from.
+pub(crate) struct Source<'a> {
+    pub(crate) path: &'a Path,
+    pub(crate) text: &'a str,
+    /// How many rows or parameters of it were used.
+    pub(crate) rows: usize,
+}
+
+/// A set of static polynomials by axis, of which no fit is known: no rows, no sigmas, and no rate that
+/// is calibrated.
+pub(crate) fn static_set(
+    source: Source,
+    serial: &str,
+    segmentation: &Segmentation,
+    overlap: Overlap,
+    axes: Vec<(String, AxisUnit, Vec<Polynomial>)>,
+) -> Result<CoefficientSet, String> {
     let (t_min_c, t_max_c) = segmentation.range_c();
-    // Nothing is known of the fit: no rows, no sigmas, and no rate that is calibrated.
     let segments = segmentation.segments().iter().map(|segment| SegmentSet {
         t_min_c: segment.t_min_c,
         t_max_c: segment.t_max_c,
@@ -81,30 +110,28 @@ pub(crate) fn static_coefficients(path: &Path, text: &str) -> Result<Coefficient
         condition: 0.0,
         coverage: None,
     });
-    let axes_of_unit = gyros.len();
+    let axes_of_unit = axes.len();
+    let axes = axes.into_iter().map(|(name, unit, polynomials)| AxisSet {
+        name,
+        unit,
+        reference_c: None,
+        polynomials,
+        sigmas: Vec::new(),
+        gains: Vec::new(),
+        noise: None,
+        held_out: None,
+        statistics: None,
+    });
     let channel = build::channel(
         Fitted {
             temperature: "temp_c".to_owned(),
             segments: segments.collect(),
-            axes: gyros
-                .into_iter()
-                .map(|(name, _, polynomials)| AxisSet {
-                    name: name.to_lowercase(),
-                    unit: AxisUnit::PulsesPerS,
-                    reference_c: None,
-                    polynomials,
-                    sigmas: Vec::new(),
-                    gains: Vec::new(),
-                    noise: None,
-                    held_out: None,
-                    statistics: None,
-                })
-                .collect(),
+            axes: axes.collect(),
             outliers: None,
             selection: None,
         },
-        &segmentation,
-        Overlap::Linear,
+        segmentation,
+        overlap,
         ThermalSettings {
             reference_c: 25.0_f64.clamp(t_min_c, t_max_c) as f32,
             rate_min_c_per_min: 0.0,
@@ -115,14 +142,11 @@ pub(crate) fn static_coefficients(path: &Path, text: &str) -> Result<Coefficient
         axes_of_unit,
     );
     // The file is the only input; its hash says which one it was.
+    let file = source.path.file_name().unwrap_or_default();
     let input = Input {
-        file: path
-            .file_name()
-            .unwrap_or_default()
-            .to_string_lossy()
-            .into(),
-        sha256: hex(&Sha256::digest(text.as_bytes())),
-        rows,
+        file: file.to_string_lossy().into(),
+        sha256: hex(&Sha256::digest(source.text.as_bytes())),
+        rows: source.rows,
         skipped_rows: 0,
         skipped: SkippedRows::default(),
         unusable_rows: 0,
@@ -133,7 +157,7 @@ pub(crate) fn static_coefficients(path: &Path, text: &str) -> Result<Coefficient
         mapping: None,
     };
     let set = build::set(
-        "imported".to_owned(),
+        serial.to_owned(),
         Provenance {
             tool: build::tool(),
             created: build::now(),
@@ -141,7 +165,7 @@ pub(crate) fn static_coefficients(path: &Path, text: &str) -> Result<Coefficient
         },
         Settings {
             model: Model::Static,
-            overlap: Overlap::Linear,
+            overlap,
             scale_factor_arcsec: None,
             thermal_period_s: 0.0,
         },

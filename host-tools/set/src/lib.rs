@@ -33,6 +33,7 @@ mod load;
 mod model;
 mod model_kind;
 mod outliers;
+pub mod parameters;
 mod provenance;
 mod rounding;
 pub mod run;

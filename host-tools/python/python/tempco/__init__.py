@@ -28,21 +28,24 @@ from ._core import (
     TempcoError,
 )
 from ._log import Log, read, simulate, summarise
-from ._set import Evaluation, Message, Set, fit, load
+from ._set import Evaluation, Exported, Loss, Message, Set, fit, import_parameters, load
 
 __all__ = [
     "STATUS",
     "EvaluateError",
     "Evaluation",
+    "Exported",
     "FitError",
     "Log",
     "LogError",
+    "Loss",
     "Message",
     "Set",
     "SetError",
     "Summary",
     "TempcoError",
     "fit",
+    "import_parameters",
     "load",
     "read",
     "simulate",

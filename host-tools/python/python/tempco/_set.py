@@ -41,6 +41,34 @@ class Message:
         return f"{self.code}: {self.message}"
 
 
+@dataclass(frozen=True)
+class Loss:
+    """What a cubic loses of an axis, in its unit."""
+
+    axis: str
+    """Name of the axis."""
+    unit: str
+    """Its unit."""
+    static_range: float
+    """Range of the bias at rest over the calibrated temperatures."""
+    largest: float
+    """Largest difference between the bias at rest and the cubic."""
+    rms: float
+    """Root mean square of this difference."""
+    rate_and_history: float
+    """The most that rate and history add to the bias, which is lost as a whole."""
+
+
+@dataclass(frozen=True)
+class Exported:
+    """Parameters of an autopilot."""
+
+    text: str
+    """The contents of the file."""
+    losses: list[Loss]
+    """What they lose, axis by axis."""
+
+
 class _Judged:
     """A verdict with its reasons."""
 
@@ -189,6 +217,16 @@ class Set(_Judged):
         other = None if against is None else against._core
         return Evaluation(json.loads(self._core.evaluate_json(log._core, other, tau)))
 
+    def export(self, to: str, *, instance: int | None = None, device_id: int = 0) -> Exported:
+        """The set as parameters of an autopilot: ``px4`` or ``ardupilot``. They have one cubic in
+        temperature for each axis; what that loses is stated. ``instance`` is the number of the gyro,
+        by default the first, ``device_id`` its id for PX4."""
+        text, losses = self._core.export(to, instance, device_id)
+        return Exported(
+            text,
+            [Loss(*axis, span, *cubic, rest) for axis, span, cubic, rest in losses],
+        )
+
     def plot(self, log: Log, *, tau: float = 100.0) -> Any:
         """A figure of matplotlib: means over ``tau`` seconds of each axis before and after, against
         time and against temperature."""
@@ -289,6 +327,25 @@ def fit(
         report,
     )
     return Set(core)
+
+
+def import_parameters(
+    path: Path,
+    autopilot: str,
+    *,
+    instance: int | None = None,
+    unit: str = "radps",
+    serial: str = "imported",
+) -> Set:
+    """Makes a set of a file with parameters of ``px4`` or ``ardupilot``: cubics become quadratic cells.
+    ``unit`` is the one of the axes in your logs: dph, dps or radps.
+
+    Raises
+    ------
+    SetError
+        A file that lacks a parameter, or has a range that cannot be.
+    """
+    return Set(_core.import_parameters(path, autopilot, instance, unit, serial))
 
 
 def load(path: Path) -> Set:
