@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use tempco_fit::summary::{LogSummary, read_summary, summarise_file, summarise_log};
 
-use crate::errors::{LogError, of_fit, of_log, work};
+use crate::errors::{LogError, of_log, work};
 use crate::log::Log;
 use crate::options::{PlanFields, Reading};
 
@@ -33,7 +33,7 @@ impl Summary {
         let options = reading.options()?;
         let plan = plan.plan(options.scale_factor_arcsec)?;
         let summary = work(py, || {
-            summarise_file(&path, &options, &plan, |_| ()).map_err(of_fit)
+            summarise_file(&path, &options, &plan, |_| ()).map_err(of_log)
         })?;
         Ok(Self { summary })
     }

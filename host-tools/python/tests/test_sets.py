@@ -141,8 +141,9 @@ def test_sets_and_logs_that_do_not_belong_together_are_refused(unit, log, tmp_pa
         tempco.load(tmp_path / "coefficients.json")
     with pytest.raises(tempco.SetError):
         tempco.load(tmp_path / "none.json")
-    with pytest.raises(tempco.LogError):
-        tempco.read(tmp_path / "none.csv")
+    for reads in (tempco.read, tempco.summarise, lambda path: tempco.fit(path, "S1")):
+        with pytest.raises(tempco.LogError):
+            reads(tmp_path / "none.csv")
     with pytest.raises(tempco.TempcoError):
         tempco.simulate("no such unit")
 
