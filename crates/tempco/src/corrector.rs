@@ -53,19 +53,24 @@ impl<'r, const AXES: usize> Corrector<'r, AXES> {
     /// those by `(N - 1) / 2` times the slope at most.
     #[inline(always)]
     pub fn correct_block<const N: usize>(&mut self, block: &mut [[f32; AXES]; N]) {
-        let (bias, _) = self.pass::<N>();
-        for sample in block {
-            for (value, bias) in sample.iter_mut().zip(&bias) {
-                *value -= bias;
-            }
-        }
+        let (bias, _) = self.pass(const { samples_of(N) });
+        subtract(block, &bias);
+    }
+
+    /// As [`correct_block`](Self::correct_block), of as many gyro samples as a FIFO holds at the
+    /// time, 65535 at most; more count as 65535. Without a sample nothing is done.
+    #[inline(always)]
+    pub fn correct_slice(&mut self, block: &mut [[f32; AXES]]) {
+        let samples = u16::try_from(block.len()).unwrap_or(u16::MAX);
+        let (bias, _) = self.pass(samples);
+        subtract(block, &bias);
     }
 
     /// The bias of the next `N` gyro samples and their flags, for those who subtract it themselves.
     /// It is always finite \[unit of each axis\].
     #[inline(always)]
     pub fn advance<const N: usize>(&mut self) -> ([f32; AXES], Status) {
-        let (bias, passed) = self.pass::<N>();
+        let (bias, passed) = self.pass(const { samples_of(N) });
         (bias, self.ramps.status_of(&passed))
     }
 
@@ -76,14 +81,30 @@ impl<'r, const AXES: usize> Corrector<'r, AXES> {
     }
 
     #[inline(always)]
-    fn pass<const N: usize>(&mut self) -> ([f32; AXES], Passed) {
-        const { assert!(N > 0 && N < 1 << 16, "1 to 65535 samples") }
-        // In steps of half a sample, the last sample of the block is 2 N further, its middle N + 1.
-        let passed = self.ramps.advance(|left| left.saturating_sub(2 * N as i32));
-        let to_end = not_negative(passed.before.saturating_sub(N as i32 + 1)) as f32;
-        let bias = core::array::from_fn(|axis| {
-            self.ramps.end(&passed, axis) - self.ramps.slope(&passed, axis) * to_end
-        });
+    fn pass(&mut self, samples: u16) -> ([f32; AXES], Passed) {
+        let samples = i32::from(samples);
+        // In steps of half a sample, the last of n samples is 2 n further, their middle n + 1.
+        let passed = self.ramps.advance(|left| left.saturating_sub(2 * samples));
+        let to_end = not_negative(passed.before.saturating_sub(samples + 1)) as f32;
+        let mut bias = [0.0; AXES];
+        for (bias, (end, slope)) in bias.iter_mut().zip(self.ramps.lines(&passed)) {
+            *bias = end - slope * to_end;
+        }
         (bias, passed)
+    }
+}
+
+/// Gyro samples of a block.
+const fn samples_of(length: usize) -> u16 {
+    assert!(length > 0 && length < 1 << 16, "1 to 65535 samples");
+    length as u16
+}
+
+#[inline(always)]
+fn subtract<const AXES: usize>(block: &mut [[f32; AXES]], bias: &[f32; AXES]) {
+    for sample in block {
+        for (value, bias) in sample.iter_mut().zip(bias) {
+            *value -= bias;
+        }
     }
 }

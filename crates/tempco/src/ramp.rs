@@ -181,16 +181,13 @@ impl<const AXES: usize, T: Number> RampBuffer<AXES, T> {
         }
     }
 
-    /// Where the ramp ends, for one axis.
+    /// Where the ramp ends and its slope per step, axis by axis.
     #[inline(always)]
-    pub(crate) fn end(&self, passed: &Passed, axis: usize) -> T {
-        T::from_word(self.ends[axis][passed.place].load(Relaxed))
-    }
-
-    /// The slope per step, for one axis.
-    #[inline(always)]
-    pub(crate) fn slope(&self, passed: &Passed, axis: usize) -> T {
-        T::from_word(self.slopes[axis][passed.place].load(Relaxed))
+    pub(crate) fn lines(&self, passed: &Passed) -> impl Iterator<Item = (T, T)> {
+        let place = passed.place;
+        let word = move |of_axis: &[AtomicU32; 2]| T::from_word(of_axis[place].load(Relaxed));
+        let ends = self.ends.iter().map(word);
+        ends.zip(self.slopes.iter().map(word))
     }
 
     /// The flags of the ramp, and whether the next one is late by more than its length.
@@ -291,7 +288,7 @@ mod tests {
         });
         let passed = ramps.advance(|left| left - 1);
         assert_eq!((passed.before, passed.left), (2, 1));
-        assert_eq!((ramps.end(&passed, 0), ramps.slope(&passed, 0)), (-7, 3));
+        assert!(ramps.lines(&passed).eq([(-7, 3)]));
     }
 
     #[test]

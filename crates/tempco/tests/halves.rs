@@ -265,6 +265,7 @@ fn the_longest_ramp_is_as_straight_and_as_exact_as_a_short_one() {
 fn compare_blocks<const N: usize>() {
     let mut single = Unit::started(SAMPLES, temp(0));
     let mut blocks = Unit::started(SAMPLES, temp(0));
+    let mut slices = Unit::started(SAMPLES, temp(0));
     // A whole number of blocks as near to the period as there is.
     let count = usize::from(SAMPLES).div_ceil(N);
     let mut second = 0;
@@ -272,12 +273,19 @@ fn compare_blocks<const N: usize>() {
         second += 1;
         let ramp = single.update(&SECOND, temp(second));
         blocks.update(&SECOND, temp(second));
+        slices.update(&SECOND, temp(second));
         for number in 0..count + late {
             let ones = single.take(N);
             let mut block = [RAW; N];
             Corrector::new(&blocks.ramps).correct_block(&mut block);
             let first = block[0];
             assert_eq!(block, [first; N]);
+            let mut slice = vec![RAW; N];
+            let mut corrector = Corrector::new(&slices.ramps);
+            corrector.correct_slice(&mut slice);
+            assert_eq!(slice, block, "{N}: {number}");
+            corrector.correct_slice(&mut []);
+            assert_eq!(corrector.status(), Corrector::new(&blocks.ramps).status());
             for axis in 0..2 {
                 let bias = RAW[axis] - first[axis];
                 let half = 0.5 * (N - 1) as f32 * ramp.slope[axis].abs() + 1e-6;
@@ -304,6 +312,20 @@ fn a_block_gets_the_mean_of_the_biases_of_its_samples() {
     compare_blocks::<5>();
     compare_blocks::<8>();
     compare_blocks::<32>();
+}
+
+/// A slice that is longer than any ramp counts as 65535 samples.
+#[test]
+fn a_slice_that_is_too_long_ends_the_ramp() {
+    let (mut slice, mut block) = (vec![RAW; 70_000], vec![RAW; 65_535]);
+    for (samples, left) in [(&mut slice, 70_000), (&mut block, 65_535)] {
+        let unit = Unit::started(SAMPLES, temp(0));
+        let mut corrector = Corrector::new(&unit.ramps);
+        corrector.correct_slice(samples);
+        assert_eq!(samples.len(), left);
+        assert_eq!(corrector.status(), Status::SETTLING | LATE_OR_EARLY);
+    }
+    assert_eq!(slice[69_999], block[0]);
 }
 
 #[test]
