@@ -6,8 +6,8 @@ use std::process::Command;
 use serde_json::Value;
 use tempco_image::{AlignedBytes, Image, Info, contents_len, encode};
 use tempco_set::{CoefficientSet, load_set, table_bin, table_h};
-use tempco_tests::Bench;
 use tempco_tests::history::add_history;
+use tempco_tests::{Bench, root};
 
 fn fitted(model: &str) -> Bench {
     let bench = Bench::new();
@@ -241,7 +241,9 @@ fn the_c_header_compiles_and_holds_the_same_numbers() {
             .flat_map(|axis| &axis[4..])
             .copied()
             .collect();
-        assert_eq!(printed, [head, &axes, cells, b"SN?7"].concat(), "{folder}");
+        let axis_count = 3_u32.to_le_bytes();
+        let expected = [head, &axis_count, &axes, cells, b"SN?7"].concat();
+        assert_eq!(printed, expected, "{folder}");
     }
 }
 
@@ -255,7 +257,7 @@ int main(void) {
     const tempco_channel_t *channel = &tempco_channels[0];
     fwrite(&channel->thermal, sizeof(tempco_thermal_t), 1, stdout);
     fwrite(&channel->first_edge_c, sizeof(float), 5, stdout);
-    fwrite(&channel->cell_count, sizeof(uint32_t), 1, stdout);
+    fwrite(&channel->cell_count, sizeof(uint32_t), 2, stdout);
     fwrite(channel->axes, sizeof(tempco_axis_t), TEMPCO_AXES, stdout);
     fwrite(channel->cells, sizeof(tempco_terms_t), channel->cell_count * TEMPCO_AXES, stdout);
     fputs(TEMPCO_SERIAL, stdout);
@@ -266,6 +268,8 @@ int main(void) {
     let compiled = Command::new("gcc")
         .current_dir(bench.path(folder))
         .args(["-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic"])
+        .arg("-I")
+        .arg(root().join("crates/tempco-c/package/include"))
         .args(["print.c", "-o", "print"])
         .output()
         .ok()?;

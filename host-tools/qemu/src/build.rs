@@ -181,17 +181,24 @@ fn cargo_for(board: Board, table: Option<&Path>, variant: &Variant, mut cargo: C
     cargo
 }
 
-/// Builds one of the binaries, on a profile changed as the variant says.
-fn cargo(workspace: &Workspace, target_dir: &Path, bin: &str, variant: &Variant) -> Command {
+/// A command of cargo's in the workspace, without settings of the caller's environment that would
+/// change what it builds.
+pub fn clean_cargo(workspace: &Workspace, subcommand: &str, target_dir: &Path) -> Command {
     let mut cargo = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     for (name, _) in env::vars_os().filter(|(name, _)| is_foreign(name)) {
         cargo.env_remove(name);
     }
     cargo
         .current_dir(workspace.root())
-        .args(["build", "--package", package_of(bin), "--bin", bin])
-        .arg("--target-dir")
+        .args([subcommand, "--target-dir"])
         .arg(target_dir);
+    cargo
+}
+
+/// Builds one of the binaries, on a profile changed as the variant says.
+fn cargo(workspace: &Workspace, target_dir: &Path, bin: &str, variant: &Variant) -> Command {
+    let mut cargo = clean_cargo(workspace, "build", target_dir);
+    cargo.args(["--package", package_of(bin), "--bin", bin]);
     for config in variant.config {
         cargo.args(["--config", config]);
     }

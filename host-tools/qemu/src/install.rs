@@ -102,7 +102,10 @@ fn is_root() -> bool {
 }
 
 /// Runs a command to its end; a failure carries what it said.
-pub(crate) fn checked(command: &mut Command) -> Result<Output, Error> {
+///
+/// # Errors
+/// It cannot be started, or does not succeed.
+pub fn checked(command: &mut Command) -> Result<Output, Error> {
     let output = command.output().map_err(|cause| Error::Start {
         program: command.get_program().to_string_lossy().into_owned(),
         cause,

@@ -49,15 +49,16 @@ mod run;
 mod workspace;
 
 pub use board::Board;
-pub use build::{Profile, Variant, build, build_host, build_variant};
+pub use build::{Profile, Variant, build, build_host, build_variant, clean_cargo};
 pub use code::code;
 pub use error::Error;
 pub use install::{
-    TARGET, ensure_program, ensure_qemu, ensure_rust_target, ensure_target, ensure_target_of,
+    TARGET, checked, ensure_program, ensure_qemu, ensure_rust_target, ensure_target,
+    ensure_target_of,
 };
 pub use layout::{Layout, Sizes};
 #[cfg(unix)]
 pub use machine::{Machine, MachineOptions, MachineTime};
 pub use replay::replay;
 pub use run::{Options, Run, run};
-pub use workspace::Workspace;
+pub use workspace::{Lock, Workspace};

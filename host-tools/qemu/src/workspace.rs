@@ -43,13 +43,16 @@ impl Workspace {
 
     /// Where firmware is built: apart from the folder of cargo's other artefacts, because that is
     /// locked by the very `cargo run` or `cargo test` that may have started this program.
-    pub(crate) fn target_dir(&self) -> PathBuf {
+    pub fn target_dir(&self) -> PathBuf {
         let target = env::var_os("CARGO_TARGET_DIR").map_or("target".into(), PathBuf::from);
         self.root.join(target).join("firmware")
     }
 
     /// Waits until no other process or thread builds or installs; lasts until dropped.
-    pub(crate) fn lock(&self) -> Result<Lock, Error> {
+    ///
+    /// # Errors
+    /// The file that is locked cannot be made.
+    pub fn lock(&self) -> Result<Lock, Error> {
         let folder = self.target_dir();
         let path = folder.join("tempco-qemu.lock");
         let locked = || -> io::Result<File> {
@@ -64,7 +67,7 @@ impl Workspace {
 
 /// Unlocks when dropped.
 #[derive(Debug)]
-pub(crate) struct Lock(#[expect(dead_code, reason = "held for its drop")] File);
+pub struct Lock(#[expect(dead_code, reason = "held for its drop")] File);
 
 /// Whether `folder` is the root of tempco rather than of any other workspace.
 fn is_workspace(folder: &Path) -> bool {

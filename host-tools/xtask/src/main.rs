@@ -3,6 +3,7 @@
 mod bench;
 mod check;
 mod demo;
+mod dist;
 mod figure;
 mod golden;
 mod paper;
@@ -37,6 +38,8 @@ enum Task {
     Golden(golden::Args),
     /// The paper's tables on a simulated unit, next to the printed ones
     Paper(paper::Args),
+    /// What is shipped, in target/dist: the zip for C, the command for Linux and Windows
+    Dist(dist::Args),
     /// Coverage, mutants, Miri, Windows and logs, as far as their tools can be had: slow, not part of `test`
     Verify(verify::Args),
     /// Executed instructions on the target, rows per second on the host
@@ -52,6 +55,7 @@ fn main() -> ExitCode {
         Task::Check => check::run(),
         Task::Golden(args) => golden::run(&args),
         Task::Paper(args) => paper::run(&args),
+        Task::Dist(args) => dist::run(&args),
         Task::Verify(args) => verify::run(&args),
         Task::Bench(args) => bench::run(&args),
         Task::Prove(args) => prove::run(&args),

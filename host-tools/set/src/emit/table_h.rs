@@ -1,56 +1,16 @@
-//! The table as a C header, for firmware in C: the same numbers as in `table.rs`.
+//! The table as a C header, for firmware in C: the same numbers as in `table.rs`, in the types of
+//! `tempco.h`.
 
 use std::fmt::Write as _;
 
-use tempco::{MAX_AXES, PLAYS, Terms, ThermalSettings};
+use tempco::ThermalSettings;
 
 use super::table_bin::axes;
 use crate::escape::{c_literal, comment};
 use crate::{ChannelSet, CoefficientSet};
 
-/// Type definitions, guarded on their own, so that tables of several units can be included.
-const TYPES: &str = r#"#ifndef TEMPCO_TABLE_TYPES
-#define TEMPCO_TABLE_TYPES
-
-/* Coefficients of one axis in one cell, lowest power first, with z from 0 at the cold edge of the
-   cell to 1 at its hot edge: bias = a[0] + a[1] z + a[2] z^2 + rate (r[0] + r[1] z)
-   + lag2 (s[0] + s[1] z). */
-typedef struct {
-    float a[STATIC]; /* unit of the axis */
-    float r[RATE]; /* unit of the axis per degC/min */
-    float s[LAG]; /* unit of the axis per degC */
-} tempco_terms_t;
-
-/* Settings of the thermal path. */
-typedef struct {
-    SETTINGS} tempco_thermal_t;
-
-/* One axis; a number that is not known or not used is 0. */
-typedef struct {
-    float scale_factor_arcsec; /* per pulse */
-    float row_noise; /* standard deviation of fitted rows; unit of the axis */
-    float row_noise_interval_s;
-    float rezero_limit; /* unit of the axis */
-    float play_gains[PLAYS]; /* unit of the axis per degC */
-} tempco_axis_t;
-
-/* One temperature channel. */
-typedef struct {
-    tempco_thermal_t thermal;
-    float first_edge_c; /* cold edge of the first cell */
-    float last_edge_c;  /* hot edge of the last cell; all cells have the same width */
-    float t_min_c;      /* calibrated range, to which temperatures are clamped */
-    float t_max_c;
-    float period_s; /* time between two temperatures of the fit; 0: not known */
-    uint32_t cell_count;
-    tempco_axis_t axes[AXES]; /* those there are, then zeros */
-    const tempco_terms_t *cells; /* all axes of the coldest cell, then all of the next */
-} tempco_channel_t;
-
-#endif
-"#;
-
-/// The tables of a set as C99: `static const` structures with the numbers of `table.rs`.
+/// The tables of a set as C99: `static const` structures of `tempco.h` with the numbers of
+/// `table.rs`.
 pub fn table_h(set: &CoefficientSet) -> String {
     let mut text = String::new();
     write_table_h(&mut text, set).expect("writing to a String cannot fail");
@@ -68,17 +28,8 @@ fn write_table_h(out: &mut String, set: &CoefficientSet) -> std::fmt::Result {
     )?;
     writeln!(
         out,
-        "#ifndef {guard}\n#define {guard}\n\n#include <stdint.h>\n"
+        "#ifndef {guard}\n#define {guard}\n\n#include \"tempco.h\"\n"
     )?;
-    let fields = ThermalSettings::NAMES.map(|name| format!("float {name};\n"));
-    let types = TYPES
-        .replace("STATIC", &Terms::STATIC.to_string())
-        .replace("RATE", &Terms::RATE.to_string())
-        .replace("LAG", &Terms::LAG.to_string())
-        .replace("PLAYS", &PLAYS.to_string())
-        .replace("SETTINGS", &fields.join("    "))
-        .replace("AXES", &MAX_AXES.to_string());
-    writeln!(out, "{types}")?;
     let [serial, crc] = heading(set);
     writeln!(out, "{serial}\n{crc}")?;
     writeln!(out, "#define TEMPCO_CHANNELS {}", channels.len())?;
@@ -165,7 +116,12 @@ fn write_channel(
         set.settings.thermal_period_s as f32,
     ];
     writeln!(out, "        {},", floats(&temps))?;
-    writeln!(out, "        {},\n        {{", table.cells.len())?;
+    let counts = [table.cells.len(), channel.axes.len()];
+    writeln!(
+        out,
+        "        {},\n        {},\n        {{",
+        counts[0], counts[1]
+    )?;
     for axis in axes(set, channel).iter().flatten() {
         let numbers = [
             axis.scale_factor_arcsec,
