@@ -63,7 +63,14 @@ impl<'r, const AXES: usize> Corrector<'r, AXES> {
     pub fn correct_slice(&mut self, block: &mut [[f32; AXES]]) {
         let samples = u16::try_from(block.len()).unwrap_or(u16::MAX);
         let (bias, _) = self.pass(samples);
-        subtract(block, &bias);
+        // Eights have no loop in them.
+        let mut rest = block;
+        while rest.len() >= 8 {
+            let (eight, others) = core::mem::take(&mut rest).split_at_mut(8);
+            subtract(eight, &bias);
+            rest = others;
+        }
+        subtract(rest, &bias);
     }
 
     /// The bias of the next `N` gyro samples and their flags, for those who subtract it themselves.

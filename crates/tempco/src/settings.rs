@@ -220,36 +220,44 @@ impl Thermal {
     /// Names the first setting that is not finite or outside its range.
     pub const fn new(settings: ThermalSettings) -> Result<Self, TableError> {
         let s = &settings;
-        macro_rules! check {
-            ($name:ident, $low:expr, $high:expr) => {
-                if !is_within(s.$name, $low, $high) {
-                    return Err(TableError::Setting(stringify!($name)));
-                }
+        macro_rules! limits {
+            ($($name:ident: $least:expr, $most:expr;)+) => {
+                (ThermalSettings { $($name: $least),+ }, ThermalSettings { $($name: $most),+ })
             };
         }
-        check!(sensor_min_c, -273.15, 1e3);
-        check!(sensor_max_c, s.sensor_min_c, 1e3);
-        check!(spike_gate_c, 1e-3, 1e3);
-        check!(max_slew_c_per_min, 1e-3, 1e4);
-        check!(hold_s, 0.0, LONGEST_TIMER_S);
-        check!(heal_s, 0.0, LONGEST_TIMER_S);
-        check!(tau_s, 0.1, 6e3);
-        check!(kappa, 0.0, 2.0);
-        check!(rate_min_c_per_min, -1e4, 0.0);
-        check!(rate_max_c_per_min, 0.0, 1e4);
-        check!(reference_c, s.sensor_min_c, s.sensor_max_c);
-        check!(tau2_s, 0.1, 6e4);
-        check!(kappa2, -2.0, 2.0);
-        check!(lag2_min_c, -1e3, 0.0);
-        check!(lag2_max_c, 0.0, 1e3);
-        check!(half_width1_c, 0.0, 1e3);
-        check!(half_width2_c, 0.0, 1e3);
-        check!(play_kappa, -2.0, 2.0);
-        check!(play_kappa2, -2.0, 2.0);
-        check!(least_divisor, 0.0, 1.0);
-        check!(rate_start, 0.0, 1e2);
-        check!(lag2_start_min, -1e3, 1e3);
-        check!(play_start_min, -1e3, 1e3);
+        let (least, most) = limits! {
+            sensor_min_c: -273.15, 1e3;
+            sensor_max_c: s.sensor_min_c, 1e3;
+            spike_gate_c: 1e-3, 1e3;
+            max_slew_c_per_min: 1e-3, 1e4;
+            hold_s: 0.0, LONGEST_TIMER_S;
+            heal_s: 0.0, LONGEST_TIMER_S;
+            tau_s: 0.1, 6e3;
+            kappa: 0.0, 2.0;
+            rate_min_c_per_min: -1e4, 0.0;
+            rate_max_c_per_min: 0.0, 1e4;
+            reference_c: s.sensor_min_c, s.sensor_max_c;
+            tau2_s: 0.1, 6e4;
+            kappa2: -2.0, 2.0;
+            lag2_min_c: -1e3, 0.0;
+            lag2_max_c: 0.0, 1e3;
+            half_width1_c: 0.0, 1e3;
+            half_width2_c: 0.0, 1e3;
+            play_kappa: -2.0, 2.0;
+            play_kappa2: -2.0, 2.0;
+            least_divisor: 0.0, 1.0;
+            rate_start: 0.0, 1e2;
+            lag2_start_min: -1e3, 1e3;
+            play_start_min: -1e3, 1e3;
+        };
+        let (values, least, most) = (s.to_array(), least.to_array(), most.to_array());
+        let mut number = 0;
+        while number < values.len() {
+            if !is_within(values[number], least[number], most[number]) {
+                return Err(TableError::Setting(ThermalSettings::NAMES[number]));
+            }
+            number += 1;
+        }
         let has_lag2 = s.has_lag2();
         let least_memory = ThermalSettings::LEAST_MEMORY_S / s.tau_s;
         let least_memory = if least_memory > s.least_divisor {

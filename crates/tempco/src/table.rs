@@ -2,7 +2,7 @@
 
 use crate::error::is_within;
 use crate::settings::PLAYS;
-use crate::terms::are_usable;
+use crate::terms::{are_usable, first_unusable};
 use crate::thermal::clamp;
 use crate::{Status, TableError, Terms, Thermal, ThermalPoint};
 
@@ -72,16 +72,9 @@ impl<'a, const AXES: usize> Table<'a, AXES> {
         if cells.len() > MAX_CELLS {
             return Err(TableError::CellCount);
         }
-        let mut cell = 0;
-        while cell < cells.len() {
-            let mut axis = 0;
-            while axis < AXES {
-                if !cells[cell][axis].is_usable() {
-                    return Err(TableError::Coefficient { cell, axis });
-                }
-                axis += 1;
-            }
-            cell += 1;
+        if let Some(at) = first_unusable(cells.as_flattened()) {
+            let (cell, axis) = (at / AXES, at % AXES);
+            return Err(TableError::Coefficient { cell, axis });
         }
         let count = cells.len() as f32;
         let mut cells_per_c = count / (last_edge_c - first_edge_c);
@@ -105,12 +98,8 @@ impl<'a, const AXES: usize> Table<'a, AXES> {
     /// # Errors
     /// A gain that is not finite or beyond 1e20.
     pub const fn with_plays(self, play_gains: [[f32; AXES]; PLAYS]) -> Result<Self, TableError> {
-        let mut play = 0;
-        while play < PLAYS {
-            if !are_usable(&play_gains[play]) {
-                return Err(TableError::Setting("play_gains"));
-            }
-            play += 1;
+        if !are_usable(play_gains.as_flattened()) {
+            return Err(TableError::Setting("play_gains"));
         }
         Ok(Self { play_gains, ..self })
     }

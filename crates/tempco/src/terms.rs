@@ -60,16 +60,24 @@ impl Terms {
         let bias = (a0 + z * (a1 + z * a2)) + rate_c_per_min * (r0 + z * r1);
         bias + lag2_c * (s0 + z * s1)
     }
+}
 
-    pub(crate) const fn is_usable(&self) -> bool {
-        are_usable(&self.to_array())
+/// The first of some terms with a coefficient that is not.
+pub(crate) const fn first_unusable(terms: &[Terms]) -> Option<usize> {
+    let mut i = 0;
+    while i < terms.len() {
+        if !are_usable(&terms[i].to_array()) {
+            return Some(i);
+        }
+        i += 1;
     }
+    None
 }
 
 /// Whether each of some coefficients is finite and no larger than a table may have.
-pub(crate) const fn are_usable<const N: usize>(values: &[f32; N]) -> bool {
+pub(crate) const fn are_usable(values: &[f32]) -> bool {
     let mut i = 0;
-    while i < N {
+    while i < values.len() {
         if !is_within(values[i], -MAX_COEFFICIENT, MAX_COEFFICIENT) {
             return false;
         }
