@@ -1,6 +1,8 @@
-//! The table the firmware is built with by default is one that `tempco fit` writes.
+//! The table the firmware is built with by default, and the one of the examples in C, are one that
+//! `tempco fit` writes.
 
 use std::fs;
+use std::path::Path;
 
 use tempco_tests::{Bench, root};
 
@@ -8,9 +10,14 @@ use tempco_tests::{Bench, root};
 fn split(text: &str) -> (Vec<String>, Vec<f64>) {
     let mut between = vec![String::new()];
     let mut numbers = Vec::new();
-    for line in text.lines().filter(|line| !line.contains("const CRC")) {
+    for line in text
+        .lines()
+        .filter(|line| !line.contains("CRC") && !line.contains("TEMPCO_TABLE_"))
+    {
         for word in line.split_inclusive([' ', '[', ']', ',', '{', '}', '(', ')', ';']) {
             let bare = word.trim_end_matches([' ', '[', ']', ',', '{', '}', '(', ')', ';']);
+            // A float of C.
+            let bare = bare.trim_end_matches('f');
             match bare.parse::<f64>() {
                 Ok(number) => {
                     numbers.push(number);
@@ -32,12 +39,23 @@ fn the_example_table_is_what_fit_writes() {
     bench.ok(
         "fit cal.csv --serial EXAMPLE --model composite --segments -15:15,5:35,25:60,50:80 --out set",
     );
-    let emitted = fs::read_to_string(bench.path("set/table.rs")).unwrap();
-    let path = root().join("firmware/tables/example.rs");
-    if std::env::var_os("TEMPCO_BLESS").is_some() {
-        fs::write(&path, &emitted).unwrap();
+    for (emitted, committed) in [
+        ("set/table.rs", "firmware/tables/example.rs"),
+        (
+            "set/table.h",
+            "crates/tempco-c/package/examples/bare-metal/table.h",
+        ),
+    ] {
+        compare(&bench.path(emitted), &root().join(committed));
     }
-    let committed = fs::read_to_string(&path).unwrap();
+}
+
+fn compare(emitted: &Path, path: &Path) {
+    let emitted = fs::read_to_string(emitted).unwrap();
+    if std::env::var_os("TEMPCO_BLESS").is_some() {
+        fs::write(path, &emitted).unwrap();
+    }
+    let committed = fs::read_to_string(path).unwrap();
 
     // The last digits may depend on the processor the fit runs on.
     let (text, numbers) = split(&emitted);

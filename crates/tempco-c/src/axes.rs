@@ -20,6 +20,7 @@ macro_rules! axes {
             type PulseRamps = RampBuffer<$axes, i32>;
 
             /// A table whose cells lie in a flash image.
+            #[cold]
             #[unsafe(export_name = concat!("tempco", $axes, "_table_from_image"))]
             pub unsafe extern "C" fn table_from_image(
                 table: *mut Table<'static, $axes>,
@@ -34,6 +35,7 @@ macro_rules! axes {
             }
 
             /// A table whose cells lie in `table.h`.
+            #[cold]
             #[unsafe(export_name = concat!("tempco", $axes, "_table_from_channel"))]
             pub unsafe extern "C" fn table_from_channel(
                 table: *mut Table<'static, $axes>,
@@ -44,6 +46,7 @@ macro_rules! axes {
             }
 
             /// The factors of a time between two thermal updates.
+            #[cold]
             #[unsafe(export_name = concat!("tempco", $axes, "_interval_init"))]
             pub unsafe extern "C" fn interval_init(
                 interval: *mut Interval,
@@ -57,6 +60,7 @@ macro_rules! axes {
             }
 
             /// A thermal half before its first temperature.
+            #[cold]
             #[unsafe(export_name = concat!("tempco", $axes, "_thermal_init"))]
             pub unsafe extern "C" fn thermal_init(
                 half: *mut ThermalHalf<'static, $axes>,
@@ -71,6 +75,7 @@ macro_rules! axes {
             }
 
             /// A buffer without a ramp.
+            #[cold]
             #[unsafe(export_name = concat!("tempco", $axes, "_ramps_init"))]
             pub unsafe extern "C" fn ramps_init(ramps: *mut RampBuffer<$axes>) -> i32 {
                 // SAFETY: as above.
@@ -78,6 +83,7 @@ macro_rules! axes {
             }
 
             /// A buffer without a ramp, of pulses.
+            #[cold]
             #[unsafe(export_name = concat!("tempco", $axes, "_pulse_ramps_init"))]
             pub unsafe extern "C" fn pulse_ramps_init(ramps: *mut PulseRamps) -> i32 {
                 // SAFETY: as above.
@@ -85,6 +91,7 @@ macro_rules! axes {
             }
 
             /// The reader of a buffer of pulses.
+            #[cold]
             #[unsafe(export_name = concat!("tempco", $axes, "_pulses_init"))]
             pub unsafe extern "C" fn pulses_init(
                 pulses: *mut PulseCorrector<'static, $axes>,
@@ -97,6 +104,7 @@ macro_rules! axes {
             }
 
             /// A compensator before its first temperature.
+            #[cold]
             #[unsafe(export_name = concat!("tempco", $axes, "_compensator_init"))]
             pub unsafe extern "C" fn compensator_init(
                 compensator: *mut Compensator<'static, $axes>,
@@ -181,10 +189,10 @@ macro_rules! axes {
             pub unsafe extern "C" fn correct_block(
                 ramps: &RampBuffer<$axes>,
                 block: *mut [f32; $axes],
-                count: usize,
+                count: u16,
             ) {
                 // SAFETY: the caller vouches for it.
-                let block = unsafe { core::slice::from_raw_parts_mut(block, count) };
+                let block = unsafe { core::slice::from_raw_parts_mut(block, count.into()) };
                 Corrector::new(ramps).correct_slice(block);
             }
 

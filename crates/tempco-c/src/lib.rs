@@ -13,6 +13,7 @@
 //! - `common`: those that have no axes: status, errors, versions, what an image says of itself
 //! - `table`: a table from an image or from the structure of `table.h`
 //! - `place`: pointers of the caller, checked; `size`: how large the header makes its objects
+//! - `memory`: copies of objects where there is no C library
 //! - `records`: structures that C reads and writes; `error`: codes
 //!
 //! Set-up functions check each pointer. Functions of the thermal and the sample half take references:
@@ -23,6 +24,8 @@
 mod axes;
 mod common;
 mod error;
+#[cfg(all(target_os = "none", target_arch = "arm"))]
+mod memory;
 mod place;
 mod records;
 mod size;

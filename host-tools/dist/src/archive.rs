@@ -16,7 +16,7 @@ const OWN: &str = "tempco_c-";
 /// What all names of the interface begin with.
 pub(crate) const PREFIX: &str = "tempco";
 
-/// Builds `libtempco.a` for a platform in `folder` and returns its path.
+/// Builds `libtempco.a` for a platform in `folder`, which nobody else writes to, and returns its path.
 ///
 /// The compiler's library has one object of all crates and many of its run-time library. Whatever is
 /// needed of the latter is linked to the former, and only the names of the interface stay visible. So
@@ -27,10 +27,9 @@ pub(crate) const PREFIX: &str = "tempco";
 /// The compiler or a tool fails, or a name in the archive should not be there: a panic that can be
 /// reached, among others.
 pub fn archive(workspace: &Workspace, platform: &Platform, folder: &Path) -> Result<PathBuf> {
+    let library = compile(workspace, platform, &folder.join("build"))?;
     let folder = folder.join(platform.target);
     fs::create_dir_all(&folder)?;
-    let _lock = workspace.lock()?;
-    let library = compile(workspace, platform)?;
     let object = joined(platform, &library, &folder)?;
     let symbols = names(&platform.tool("nm"), &object)?;
     let faults = faults(&symbols, PREFIX, platform.from_libc);
@@ -48,9 +47,8 @@ pub fn archive(workspace: &Workspace, platform: &Platform, folder: &Path) -> Res
 }
 
 /// The compiler's static library.
-fn compile(workspace: &Workspace, platform: &Platform) -> Result<PathBuf> {
-    let target_dir = workspace.target_dir().join("archives");
-    let mut cargo = clean_cargo(workspace, "rustc", &target_dir);
+fn compile(workspace: &Workspace, platform: &Platform, target_dir: &Path) -> Result<PathBuf> {
+    let mut cargo = clean_cargo(workspace, "rustc", target_dir);
     cargo
         .args(["--locked", "--package", "tempco-c", "--lib"])
         .args(["--crate-type", "staticlib", "--profile", "archive"])
@@ -66,7 +64,7 @@ fn compile(workspace: &Workspace, platform: &Platform) -> Result<PathBuf> {
 pub(crate) fn remapped(workspace: &Workspace) -> OsString {
     let cargo_home = std::env::var_os("CARGO_HOME").map(PathBuf::from);
     let home = std::env::home_dir().map(|home| home.join(".cargo"));
-    let mut flags = OsString::from("--remap-path-prefix=");
+    let mut flags = OsString::from("-Cllvm-args=-unroll-runtime=false\x1f--remap-path-prefix=");
     flags.push(workspace.root());
     flags.push("=tempco");
     if let Some(cargo) = cargo_home.or(home) {
@@ -109,6 +107,7 @@ fn joined(platform: &Platform, library: &Path, folder: &Path) -> Result<PathBuf>
     hide.args(["--wildcard", "--keep-global-symbol", &format!("{PREFIX}*")])
         // Bitcode of the run-time library, which other compilers do not understand.
         .args(["--remove-section=.llvmbc", "--remove-section=.llvmcmd"])
+        .args(platform.without)
         .arg("--strip-debug")
         .arg(&object);
     checked(&mut hide)?;

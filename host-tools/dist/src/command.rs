@@ -14,7 +14,7 @@ use crate::{Platform, Tree, VERSION};
 /// # Errors
 /// The command does not build, or a file cannot be read or written.
 pub fn command(workspace: &Workspace, platform: &Platform, folder: &Path) -> Result<PathBuf> {
-    let target_dir = workspace.target_dir().join("archives");
+    let target_dir = folder.join("build");
     let mut cargo = clean_cargo(workspace, "build", &target_dir);
     cargo
         .args(["--locked", "--package", "tempco-cli", "--release"])

@@ -18,9 +18,8 @@ pub fn c_package(workspace: &Workspace, platforms: &[Platform], folder: &Path) -
     for name in ["LICENSE-APACHE", "LICENSE-MIT", "CHANGELOG.md"] {
         tree.add(name, &workspace.root().join(name))?;
     }
-    let archives = folder.join("archives");
     for platform in platforms {
-        let path = archive(workspace, platform, &archives)?;
+        let path = archive(workspace, platform, folder)?;
         tree.add(&format!("lib/{}/libtempco.a", platform.target), &path)?;
     }
     write(tree, folder, &format!("tempco-{VERSION}-c"))

@@ -14,6 +14,8 @@ pub struct Platform {
     package: &'static str,
     /// Functions that an archive takes from the C library.
     pub(crate) from_libc: &'static [&'static str],
+    /// Sections that its linker complains of.
+    pub(crate) without: &'static [&'static str],
 }
 
 const ARM: Platform = Platform {
@@ -21,10 +23,18 @@ const ARM: Platform = Platform {
     tools: "arm-none-eabi-",
     package: "binutils-arm-none-eabi",
     from_libc: &[],
+    // Objects of GCC for these processors do not have it, and it is all or none.
+    without: &["--remove-section=.note.GNU-stack"],
 };
 
 impl Platform {
-    /// Cortex-M4F and M7: the reference board.
+    /// Cortex-M3, without an FPU.
+    pub const M3: Self = Self {
+        target: "thumbv7m-none-eabi",
+        ..ARM
+    };
+
+    /// Cortex-M4F and M7F: the reference board.
     pub const M4F: Self = Self {
         target: "thumbv7em-none-eabihf",
         ..ARM
@@ -36,6 +46,7 @@ impl Platform {
         tools: "",
         package: "binutils",
         from_libc: &["memcpy"],
+        without: &[],
     };
 
     /// Windows, for programs of the GNU compilers.
@@ -44,6 +55,7 @@ impl Platform {
         tools: "x86_64-w64-mingw32-",
         package: "gcc-mingw-w64-x86-64",
         from_libc: &["memcpy"],
+        without: &[],
     };
 
     /// All of them.
@@ -52,10 +64,7 @@ impl Platform {
             target: "thumbv6m-none-eabi",
             ..ARM
         },
-        Self {
-            target: "thumbv7m-none-eabi",
-            ..ARM
-        },
+        Self::M3,
         Self {
             target: "thumbv7em-none-eabi",
             ..ARM

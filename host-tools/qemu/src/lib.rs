@@ -61,4 +61,4 @@ pub use layout::{Layout, Sizes};
 pub use machine::{Machine, MachineOptions, MachineTime};
 pub use replay::replay;
 pub use run::{Options, Run, run};
-pub use workspace::{Lock, Workspace};
+pub use workspace::Workspace;

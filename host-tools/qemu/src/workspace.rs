@@ -49,10 +49,7 @@ impl Workspace {
     }
 
     /// Waits until no other process or thread builds or installs; lasts until dropped.
-    ///
-    /// # Errors
-    /// The file that is locked cannot be made.
-    pub fn lock(&self) -> Result<Lock, Error> {
+    pub(crate) fn lock(&self) -> Result<Lock, Error> {
         let folder = self.target_dir();
         let path = folder.join("tempco-qemu.lock");
         let locked = || -> io::Result<File> {
@@ -67,7 +64,7 @@ impl Workspace {
 
 /// Unlocks when dropped.
 #[derive(Debug)]
-pub struct Lock(#[expect(dead_code, reason = "held for its drop")] File);
+pub(crate) struct Lock(#[expect(dead_code, reason = "held for its drop")] File);
 
 /// Whether `folder` is the root of tempco rather than of any other workspace.
 fn is_workspace(folder: &Path) -> bool {

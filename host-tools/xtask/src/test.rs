@@ -1,7 +1,7 @@
 //! Every check, as continuous integration runs it.
 
 use anyhow::{Result, ensure};
-use tempco_qemu::{Board, Workspace, ensure_qemu, ensure_target, ensure_target_of};
+use tempco_qemu::{Board, Workspace, ensure_program, ensure_qemu, ensure_target, ensure_target_of};
 
 use crate::run::{cargo, run as step, run_and_read};
 use crate::{python, windows};
@@ -53,7 +53,8 @@ pub(crate) fn run() -> Result<()> {
         ensure_target_of(&workspace, board)?;
         lint_images(&workspace, board, &IMAGES, &["--bins"], "")?;
     }
-    let skipped = windows::lint(&workspace)?;
+    let mut skipped: Vec<String> = windows::lint(&workspace)?.into_iter().collect();
+    skipped.extend(without_c_tools(&workspace));
     let mut doc = cargo(&workspace, &["doc", "--workspace", "--no-deps", "--locked"]);
     step(&workspace, doc.env("RUSTDOCFLAGS", "-D warnings"))?;
 
@@ -70,13 +71,28 @@ pub(crate) fn run() -> Result<()> {
     ensure!(succeeded && failed == 0, "tests failed");
     ensure!(passed > 0, "no test ran");
     let of_python = python::test(&workspace)?;
-    let skipped = skipped.as_ref().into_iter().chain(of_python.as_ref().err());
+    let passed = passed + *of_python.as_ref().unwrap_or(&0);
+    skipped.extend(of_python.err());
     for skipped in skipped {
         println!("\nSKIPPED: {skipped}");
     }
-    let passed = passed + of_python.unwrap_or(0);
     println!("\n{passed} passed, {failed} failed");
     Ok(())
+}
+
+/// Installs what the tests of the C side use, and returns what is skipped of them for want of it.
+fn without_c_tools(workspace: &Workspace) -> Vec<String> {
+    let tools = [
+        ("arm-none-eabi-gcc", "gcc-arm-none-eabi", "C on a Cortex-M"),
+        ("clang", "clang", "C by clang"),
+        ("valgrind", "valgrind", "C under valgrind"),
+        ("cmake", "cmake", "the package for CMake"),
+    ];
+    let missing = tools.map(|(program, package, what)| {
+        let missing = ensure_program(workspace, program, &[package]).err()?;
+        Some(format!("{what}: {missing}"))
+    });
+    missing.into_iter().flatten().collect()
 }
 
 /// Clippy on targets of packages as they are built for a board, with further features.
