@@ -60,5 +60,5 @@ pub use layout::{Layout, Sizes};
 #[cfg(unix)]
 pub use machine::{Machine, MachineOptions, MachineTime};
 pub use replay::replay;
-pub use run::{Options, Run, run};
+pub use run::{Options, Run, one_by_one, run};
 pub use workspace::Workspace;

@@ -142,13 +142,17 @@ fn qemu(elf: &Path, board: Board, args: &[&str], options: &Options) -> Command {
         let range = |range: &Range<u64>| format!("{:#x}..{:#x}", range.start, range.end - 1);
         let ranges: Vec<String> = options.trace.iter().map(range).collect();
         command.args(["-d", "exec,nochain", "-dfilter", &ranges.join(",")]);
-        // Translate instructions one by one. The option has another name since QEMU 8.1.
-        command.args(match version() {
-            Some(version) if version < [8, 1] => &["-singlestep"][..],
-            _ => &["-accel", "tcg,one-insn-per-tb=on"],
-        });
+        command.args(one_by_one());
     }
     command
+}
+
+/// What makes QEMU translate instructions one by one. It has another name since QEMU 8.1.
+pub fn one_by_one() -> &'static [&'static str] {
+    match version() {
+        Some(version) if version < [8, 1] => &["-singlestep"],
+        _ => &["-accel", "tcg,one-insn-per-tb=on"],
+    }
 }
 
 /// QEMU's version: major and minor number.

@@ -1,7 +1,6 @@
 //! The header says what the library is.
 
 use std::collections::BTreeSet;
-use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -13,7 +12,7 @@ use tempco_c::{
 use tempco_dist::symbols::{Symbol, names};
 
 use crate::support::{
-    Compiler, PACKAGE, POSIX_COMPILERS, WARNINGS, WORKSPACE, archive_of, arm_gcc, path, said,
+    Compiler, PACKAGE, POSIX_COMPILERS, WARNINGS, archive_of, arm_gcc, path, said,
 };
 
 fn header(name: &str) -> String {
@@ -53,15 +52,8 @@ fn sizes(pointer: usize) -> String {
     ] {
         text += &size_is(name, bytes);
     }
-    // A pointer and what comes before it.
-    let channel = size_of::<Channel>().next_multiple_of(8) - 2 * size_of::<usize>() + 2 * pointer;
-    let before = std::mem::offset_of!(Channel, cells);
-    writeln!(
-        text,
-        "typedef char channel[sizeof(tempco_channel_t) == {}u || {channel}u == 0 ? 1 : -1];",
-        before.next_multiple_of(pointer) + pointer
-    )
-    .unwrap();
+    let before_pointer = std::mem::offset_of!(Channel, cells);
+    text += &size_is("tempco_channel_t", before_pointer + pointer);
     text
 }
 
@@ -190,5 +182,4 @@ fn the_archive_has_what_the_header_declares() {
     let defined: BTreeSet<&str> = defined.map(|Symbol { name, .. }| name.as_str()).collect();
     assert_eq!(declared, defined);
     assert!(declared.len() > 80, "{}", declared.len());
-    assert!(WORKSPACE.root().is_dir());
 }
