@@ -53,8 +53,10 @@ impl<'r, const AXES: usize> Corrector<'r, AXES> {
     /// those by `(N - 1) / 2` times the slope at most.
     #[inline(always)]
     pub fn correct_block<const N: usize>(&mut self, block: &mut [[f32; AXES]; N]) {
-        let (bias, _) = self.pass(const { samples_of(N) });
-        subtract(block, &bias);
+        let (bias, _) = self.pass(|| const { samples_of(N) });
+        for sample in block {
+            subtract(sample, &bias);
+        }
     }
 
     /// As [`correct_block`](Self::correct_block), of as many gyro samples as a FIFO holds at the
@@ -62,22 +64,26 @@ impl<'r, const AXES: usize> Corrector<'r, AXES> {
     #[inline(always)]
     pub fn correct_slice(&mut self, block: &mut [[f32; AXES]]) {
         let samples = u16::try_from(block.len()).unwrap_or(u16::MAX);
-        let (bias, _) = self.pass(samples);
+        let (bias, _) = self.pass(|| samples.into());
         // Eights have no loop in them.
         let mut rest = block;
         while rest.len() >= 8 {
             let (eight, others) = core::mem::take(&mut rest).split_at_mut(8);
-            subtract(eight, &bias);
+            for sample in eight {
+                subtract(sample, &bias);
+            }
             rest = others;
         }
-        subtract(rest, &bias);
+        for sample in rest {
+            subtract(sample, &bias);
+        }
     }
 
     /// The bias of the next `N` gyro samples and their flags, for those who subtract it themselves.
     /// It is always finite \[unit of each axis\].
     #[inline(always)]
     pub fn advance<const N: usize>(&mut self) -> ([f32; AXES], Status) {
-        let (bias, passed) = self.pass(const { samples_of(N) });
+        let (bias, passed) = self.pass(|| const { samples_of(N) });
         (bias, self.ramps.status_of(&passed))
     }
 
@@ -88,30 +94,29 @@ impl<'r, const AXES: usize> Corrector<'r, AXES> {
     }
 
     #[inline(always)]
-    fn pass(&mut self, samples: u16) -> ([f32; AXES], Passed) {
-        let samples = i32::from(samples);
+    fn pass(&mut self, samples: impl FnOnce() -> i32) -> ([f32; AXES], Passed) {
+        // A function, so that a constant is one from the beginning: it saves two instructions.
+        let samples = samples();
         // In steps of half a sample, the last of n samples is 2 n further, their middle n + 1.
-        let passed = self.ramps.advance(|left| left.saturating_sub(2 * samples));
-        let to_end = not_negative(passed.before.saturating_sub(samples + 1)) as f32;
-        let mut bias = [0.0; AXES];
-        for (bias, (end, slope)) in bias.iter_mut().zip(self.ramps.lines(&passed)) {
-            *bias = end - slope * to_end;
-        }
+        let half = |left: i32| left.saturating_sub(samples);
+        let passed = self.ramps.advance(|left| half(half(left)));
+        let to_end = not_negative(half(passed.before).saturating_sub(1)) as f32;
+        let bias = core::array::from_fn(|axis| {
+            self.ramps.end(&passed, axis) - self.ramps.slope(&passed, axis) * to_end
+        });
         (bias, passed)
     }
 }
 
 /// Gyro samples of a block.
-const fn samples_of(length: usize) -> u16 {
+const fn samples_of(length: usize) -> i32 {
     assert!(length > 0 && length < 1 << 16, "1 to 65535 samples");
-    length as u16
+    length as i32
 }
 
 #[inline(always)]
-fn subtract<const AXES: usize>(block: &mut [[f32; AXES]], bias: &[f32; AXES]) {
-    for sample in block {
-        for (value, bias) in sample.iter_mut().zip(bias) {
-            *value -= bias;
-        }
+fn subtract<const AXES: usize>(sample: &mut [f32; AXES], bias: &[f32; AXES]) {
+    for (value, bias) in sample.iter_mut().zip(bias) {
+        *value -= bias;
     }
 }

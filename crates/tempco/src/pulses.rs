@@ -101,15 +101,13 @@ impl<'r, const AXES: usize> PulseCorrector<'r, AXES> {
                 .wrapping_sub(1)
         });
         let to_end = not_negative(passed.left);
-        let mut corrected = raw;
-        let axes = corrected.iter_mut().zip(&mut self.carried);
-        for ((value, carried), (end, slope)) in axes.zip(ramps.lines(&passed)) {
-            let way = slope.wrapping_mul(to_end);
-            let sum = carried.wrapping_add(end).wrapping_sub(way);
-            *carried = sum & ((1 << FRACTION_BITS) - 1);
-            *value = value.wrapping_sub(sum >> FRACTION_BITS);
-        }
-        corrected
+        core::array::from_fn(|axis| {
+            let way = ramps.slope(&passed, axis).wrapping_mul(to_end);
+            let end = ramps.end(&passed, axis);
+            let sum = self.carried[axis].wrapping_add(end).wrapping_sub(way);
+            self.carried[axis] = sum & ((1 << FRACTION_BITS) - 1);
+            raw[axis].wrapping_sub(sum >> FRACTION_BITS)
+        })
     }
 
     /// Flags of the temperature, the range, and early or late ramps, as of the last gyro sample.

@@ -181,13 +181,16 @@ impl<const AXES: usize, T: Number> RampBuffer<AXES, T> {
         }
     }
 
-    /// Where the ramp ends and its slope per step, axis by axis.
+    /// Where the ramp ends, for one axis.
     #[inline(always)]
-    pub(crate) fn lines(&self, passed: &Passed) -> impl Iterator<Item = (T, T)> {
-        let place = passed.place;
-        let word = move |of_axis: &[AtomicU32; 2]| T::from_word(of_axis[place].load(Relaxed));
-        let ends = self.ends.iter().map(word);
-        ends.zip(self.slopes.iter().map(word))
+    pub(crate) fn end(&self, passed: &Passed, axis: usize) -> T {
+        of_axis(&self.ends, passed, axis)
+    }
+
+    /// The slope per step, for one axis.
+    #[inline(always)]
+    pub(crate) fn slope(&self, passed: &Passed, axis: usize) -> T {
+        of_axis(&self.slopes, passed, axis)
     }
 
     /// The flags of the ramp, and whether the next one is late by more than its length.
@@ -214,6 +217,14 @@ pub(crate) struct Passed {
     pub(crate) before: i32,
     /// Steps to the end after.
     pub(crate) left: i32,
+}
+
+/// A number of the ramp. Every axis has its words, so the alternative is never taken; it is there so
+/// that the compiler need not provide for a panic.
+#[inline(always)]
+fn of_axis<T: Number>(words: &[[AtomicU32; 2]], passed: &Passed, axis: usize) -> T {
+    let words = words.get(axis);
+    T::from_word(words.map_or(0, |words| words[passed.place].load(Relaxed)))
 }
 
 #[inline(always)]
@@ -288,7 +299,7 @@ mod tests {
         });
         let passed = ramps.advance(|left| left - 1);
         assert_eq!((passed.before, passed.left), (2, 1));
-        assert!(ramps.lines(&passed).eq([(-7, 3)]));
+        assert_eq!((ramps.end(&passed, 0), ramps.slope(&passed, 0)), (-7, 3));
     }
 
     #[test]
