@@ -55,7 +55,13 @@ pub(crate) fn run() -> Result<()> {
     }
     // Of it, on a processor, is more than on the host.
     let mut lint = cargo(&workspace, &["clippy", "--locked", "--package", "tempco-c"]);
-    lint.args(["--target", Board::Mps2An386.target(), "--", "-D", "warnings"]);
+    lint.args([
+        "--target",
+        Board::Mps2An386.target(),
+        "--",
+        "-D",
+        "warnings",
+    ]);
     step(&workspace, &mut lint)?;
     let mut skipped: Vec<String> = windows::lint(&workspace)?.into_iter().collect();
     skipped.extend(without_c_tools(&workspace));
