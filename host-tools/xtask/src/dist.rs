@@ -7,9 +7,11 @@ use clap::ValueEnum;
 use tempco_dist::{Platform, c_package, command};
 use tempco_qemu::Workspace;
 
+use crate::python;
+
 #[derive(clap::Args)]
 pub(crate) struct Args {
-    /// What to make; both, if not said
+    /// What to make; all, if not said
     #[arg(value_enum)]
     only: Option<What>,
 }
@@ -20,22 +22,28 @@ enum What {
     C,
     /// The `tempco` command for Linux and Windows
     Command,
+    /// The wheel for Python on Linux
+    Wheel,
 }
 
 pub(crate) fn run(args: &Args) -> Result<()> {
     let workspace = Workspace::find()?;
     let folder = workspace.root().join("target/dist");
-    if args.only != Some(What::Command) {
+    let is_wanted = |what| args.only.is_none_or(|only| only == what);
+    if is_wanted(What::C) {
         for platform in Platform::ALL {
             platform.ensure(&workspace)?;
         }
         say(c_package(&workspace, &Platform::ALL, &folder)?, &workspace);
     }
-    if args.only != Some(What::C) {
+    if is_wanted(What::Command) {
         for platform in [Platform::LINUX, Platform::WINDOWS] {
             platform.ensure(&workspace)?;
             say(command(&workspace, &platform, &folder)?, &workspace);
         }
+    }
+    if is_wanted(What::Wheel) {
+        say(python::wheel(&workspace, &folder)?, &workspace);
     }
     Ok(())
 }

@@ -47,6 +47,49 @@ pub(crate) fn environment(workspace: &Workspace, name: &str, list: &str) -> Resu
     Ok(python)
 }
 
+/// Makes the wheel in `folder`, for every Linux of the last ten years by zig as the linker, and returns
+/// its path. It is installed and used in an environment that has nothing else.
+pub(crate) fn wheel(workspace: &Workspace, folder: &Path) -> Result<PathBuf> {
+    let python = environment(workspace, "maturin", &format!("{MODULE}/requirements.txt"))?;
+    let tools = python.parent().context("a folder")?;
+    let wheels = folder.join("wheel");
+    if wheels.exists() {
+        fs::remove_dir_all(&wheels)?;
+    }
+    let others = std::env::var_os("PATH").unwrap_or_default();
+    let path = std::iter::once(tools.to_owned()).chain(std::env::split_paths(&others));
+    let mut maturin = Command::new(tools.join("maturin"));
+    maturin
+        .current_dir(workspace.root().join(MODULE))
+        .args(["build", "--release", "--locked", "--zig", "--out"])
+        .arg(&wheels)
+        .env("PATH", std::env::join_paths(path)?);
+    step(workspace, &mut maturin)?;
+    let mut made = fs::read_dir(&wheels)?;
+    let made = made.next().context("maturin made no wheel")??;
+    let wheel = folder.join(made.file_name());
+    fs::rename(made.path(), &wheel)?;
+    fs::remove_dir(&wheels)?;
+    use_it(workspace, &wheel)?;
+    Ok(wheel)
+}
+
+/// Installs a wheel into an environment of its own, and fits a set by it.
+fn use_it(workspace: &Workspace, wheel: &Path) -> Result<()> {
+    let folder = workspace.root().join("target/clean-python");
+    let mut venv = Command::new("python3");
+    step(workspace, venv.args(["-m", "venv", "--clear"]).arg(&folder))?;
+    let python = folder.join("bin/python");
+    let mut pip = Command::new(&python);
+    pip.args(["-m", "pip", "install", "--quiet"]);
+    pip.arg("--disable-pip-version-check").arg(wheel);
+    step(workspace, &mut pip)?;
+    let mut fit = Command::new(&python);
+    let lines = "import tempco; print(tempco.fit(tempco.simulate(), 'S1', model='composite'))";
+    // Not in the sources, which have a folder of that name.
+    step(workspace, fit.current_dir(&folder).args(["-c", lines]))
+}
+
 /// Runs the tests of the Python module; returns how many passed, or why they were skipped.
 pub(crate) fn test(workspace: &Workspace) -> Result<Result<u32, String>> {
     let list = format!("{MODULE}/tests/requirements.txt");
