@@ -1,24 +1,20 @@
 //! Rows per second of the `tempco` command, next to what users would write instead.
 
-use std::fs::File;
-use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use anyhow::Result;
 use serde_json::{Map, Value, json};
 use tempco_qemu::Workspace;
-use tempco_twin::{Profile, Simulation, Unit};
+use tempco_twin::Profile;
 
+use super::log::write_log;
 use super::peers::{self, PEERS};
 use super::watch::{Taken, watch};
 use crate::run::build_tempco;
 
 /// The segments of the paper, in degC.
 const SEGMENTS: &str = "-15:15,5:35,25:60,50:80";
-
-/// Step of the output of the unit `fog` \[deg/h\].
-const STEP_DPH: f64 = 0.01;
 
 /// Samples per second of the simulation that is timed.
 const SIMULATED_HZ: f64 = 20.0;
@@ -254,29 +250,4 @@ fn print(jobs: &[Job], rounds: usize) -> Map<String, Value> {
         figures.insert(job.name.to_owned(), of_job);
     }
     figures
-}
-
-/// Writes a log of a fibre-optic gyro of about so many rows, with as many digits as real logs have.
-fn write_log(path: &Path, rows: u32) -> Result<u64> {
-    let mut log = BufWriter::with_capacity(1 << 20, File::create(path)?);
-    let rows = write_rows(&mut log, rows.into())?;
-    log.flush()?;
-    Ok(rows)
-}
-
-/// Writes the text of such a log.
-pub(super) fn write_rows(log: &mut impl Write, rows: u64) -> Result<u64> {
-    let profile = Profile::named("calibration")?;
-    let rate_hz = rows as f64 / profile.duration_s();
-    let samples = Simulation::new(&Unit::named("fog")?, &profile, 1, rate_hz)?;
-    writeln!(log, "time_s,temp_c,x_dph,y_dph,z_dph")?;
-    let mut rows = 0;
-    for sample in samples {
-        let axis = |axis: usize| STEP_DPH * f64::from(sample.counts[axis] as i32);
-        let [x, y, z] = [axis(0), axis(1), axis(2)];
-        let (time_s, temp_c) = (sample.time_s, sample.temp_c);
-        writeln!(log, "{time_s:.4},{temp_c:.4},{x:.6},{y:.6},{z:.6}")?;
-        rows += 1;
-    }
-    Ok(rows)
 }

@@ -2,6 +2,7 @@
 
 mod cycles_m7;
 mod host;
+mod log;
 mod peers;
 mod reference;
 mod watch;

@@ -7,7 +7,7 @@ use std::{fs, thread};
 
 use anyhow::{Context, Result, ensure};
 
-use super::host::write_rows;
+use super::log::write_rows;
 
 /// Time between looks at the memory of a program.
 const LOOK: Duration = Duration::from_millis(2);
