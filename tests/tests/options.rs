@@ -32,7 +32,7 @@ const BY_ROW: [&str; 6] = [
 
 /// Commands, with the options of theirs that take numbers, and those that take ranges. What stands
 /// for a serial port is none.
-const COMMANDS: [(&str, &[&str], &[&str]); 11] = [
+const COMMANDS: [(&str, &[&str], &[&str]); 13] = [
     ("summarise log.csv --out OUT", &BY_ROW, &["--exclude"]),
     (
         "fit log.csv --serial S1 --out OUT --model composite",
@@ -70,6 +70,16 @@ const COMMANDS: [(&str, &[&str], &[&str]); 11] = [
         &[],
     ),
     (
+        "export imu/coefficients.json --to px4 --out OUT",
+        &["--instance", "--device-id"],
+        &[],
+    ),
+    (
+        "import imu.params --from px4 --out OUT",
+        &["--instance"],
+        &[],
+    ),
+    (
         "flash-set set/coefficients.json --port /dev/null",
         &["--baud", "--scale-factor"],
         &[],
@@ -83,12 +93,13 @@ const COMMANDS: [(&str, &[&str], &[&str]); 11] = [
 ];
 
 /// Options whose value is no number.
-const OTHERS: [&str; 21] = [
+const OTHERS: [&str; 23] = [
     "--against",
     "--axis",
     "--batch",
     "--board",
     "--figures",
+    "--from",
     "--join",
     "--map",
     "--model",
@@ -102,6 +113,7 @@ const OTHERS: [&str; 21] = [
     "--target",
     "--temp",
     "--time",
+    "--to",
     "--truth",
     "--unit",
     "--where",
@@ -118,6 +130,23 @@ fn log() -> String {
     log
 }
 
+/// Parameters of PX4, of a gyro whose bias rises with temperature.
+fn parameters() -> String {
+    let mut text = String::new();
+    let mut line = |name: &str, value: f64| {
+        text.push_str(&format!("1\t1\tTC_G0_{name}\t{value}\t9\n"));
+    };
+    for (name, value) in [("TMIN", 10.0), ("TMAX", 40.0), ("TREF", 25.0)] {
+        line(name, value);
+    }
+    for axis in 0..3 {
+        for (power, value) in [(0, 0.01), (1, 1e-4), (2, 1e-6), (3, 1e-8)] {
+            line(&format!("X{power}_{axis}"), value);
+        }
+    }
+    text
+}
+
 #[test]
 fn every_command_ends_whatever_number_it_is_given() {
     let bench = Bench::new();
@@ -125,6 +154,8 @@ fn every_command_ends_whatever_number_it_is_given() {
     bench.write("units/A1.csv", &log());
     bench.write("units/B2.csv", &log());
     bench.ok("fit log.csv --serial S1 --out set --model composite --segments 10:40 --no-report");
+    bench.write("imu.params", &parameters());
+    bench.ok("import imu.params --from px4 --unit dps --out imu");
     let mut runs = Vec::new();
     for (command, numbers, ranges) in COMMANDS {
         let mut add = |options: &[&str], values: &[&str], is_bad: bool| {

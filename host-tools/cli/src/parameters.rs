@@ -4,7 +4,7 @@ use std::io::{self, Write};
 use std::path::PathBuf;
 
 use anyhow::{Context, Result, anyhow};
-use clap::ValueEnum;
+use clap::{ValueEnum, value_parser};
 use tempco_evaluate::judge;
 use tempco_log::AxisUnit;
 use tempco_set::parameters::{Autopilot, Loss, export_parameters, import_parameters};
@@ -61,6 +61,7 @@ pub(crate) struct ExportArgs {
         long,
         value_name = "ID",
         default_value_t = 0,
+        value_parser = value_parser!(i32).range(0..),
         allow_negative_numbers = true
     )]
     device_id: i32,

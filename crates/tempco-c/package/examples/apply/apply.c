@@ -4,7 +4,6 @@
 
    The log has the columns time_s, temp_c and three axes, in the unit of the table, and rows that are
    0.1 s apart or more. It shows the image reader and the single step on an operating system. */
-#include <float.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -83,10 +82,8 @@ static void put_number(double value, int is_float)
     char text[40];
     int digits, point, length;
     const char *mantissa = text;
-    /* Half way between two numbers of as many digits, a float goes to the larger one. */
-    const double shown = is_float ? value * (1.0 + DBL_EPSILON) : value;
     for (digits = 0; digits < 17; digits++) {
-        snprintf(text, sizeof text, "%.*e", digits, shown);
+        snprintf(text, sizeof text, "%.*e", digits, value);
         if (is_float ? strtof(text, NULL) == (float)value : strtod(text, NULL) == value) {
             break;
         }
