@@ -68,3 +68,15 @@ fn main() -> ExitCode {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    use super::*;
+
+    #[test]
+    fn the_options_of_all_tasks_are_sound() {
+        Cli::command().debug_assert();
+    }
+}

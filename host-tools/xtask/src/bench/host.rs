@@ -20,7 +20,7 @@ const SEGMENTS: &str = "-15:15,5:35,25:60,50:80";
 const SIMULATED_HZ: f64 = 20.0;
 
 #[derive(clap::Args)]
-pub(super) struct Args {
+pub(super) struct HostArgs {
     /// Rows of the logs that are used on the host, one after the other
     #[arg(long, value_name = "N,...", value_delimiter = ',', default_values_t = [100_000, 1_000_000])]
     rows: Vec<u32>,
@@ -61,7 +61,7 @@ impl Job<'_> {
 /// Uses logs of each size: process start included, all programs in one run since the machine's load
 /// shows in each. The figures are of the last size; `sizes` has the processor time of `fit`
 /// for every one.
-pub(super) fn figures(workspace: &Workspace, args: &Args) -> Result<Value> {
+pub(super) fn figures(workspace: &Workspace, args: &HostArgs) -> Result<Value> {
     let program = build_tempco(workspace, &["--release"])?;
     let folder = workspace.root().join("target/bench");
     std::fs::create_dir_all(&folder)?;

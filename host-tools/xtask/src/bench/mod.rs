@@ -27,7 +27,7 @@ pub(crate) struct Args {
     #[arg(long)]
     json: bool,
     #[command(flatten)]
-    host: host::Args,
+    host: host::HostArgs,
     /// What to measure; both, if not said
     #[arg(value_enum)]
     only: Option<Side>,
