@@ -1,5 +1,7 @@
 //! Rows of a log, column by column.
 
+use super::slot::Kind;
+
 /// Some consecutive rows of a log.
 ///
 /// Channel after channel, and the axes within each, in the order of [`Log`](super::Log).
@@ -25,6 +27,15 @@ impl Chunk {
     /// Number of rows.
     pub fn rows(&self) -> usize {
         self.time_s.len()
+    }
+
+    /// Adds values to the column of a kind.
+    pub(super) fn extend(&mut self, kind: Kind, values: impl Iterator<Item = f64>) {
+        match kind {
+            Kind::Time => self.time_s.extend(values),
+            Kind::Temp(channel) => self.temps_c[channel].extend(values.map(|value| value as f32)),
+            Kind::Axis(axis) => self.axes[axis].extend(values),
+        }
     }
 
     /// Appends the rows of another chunk.

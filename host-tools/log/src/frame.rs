@@ -8,8 +8,6 @@ use sha2::{Digest, Sha256};
 use super::LogError;
 use super::layout::{Finder, Found, Layout, RowKind};
 use super::order::{Bad, Parsed};
-use super::row_numbers::RowNumbers;
-use super::skipped::SkippedRows;
 use super::source::hex;
 
 /// Columns of the same length, by the names that columns of a log have.
@@ -101,30 +99,12 @@ impl FrameRows {
         if self.row == rows {
             return Err(self.frame.sha256());
         }
-        let rows = self.row..rows.min(self.row + self.rows_at_a_time);
-        let mut parsed = Parsed {
-            chunk: self.layout.chunk(rows.len()),
-            numbers: RowNumbers::default(),
-            has_blanks: false,
-            skipped: SkippedRows::default(),
-            bad: None,
-        };
-        self.row = rows.end;
-        let mut values = vec![0.0; self.layout.slots.len()];
-        for row in rows {
-            match self.values(row, &mut values) {
-                Ok(()) => {
-                    parsed.has_blanks |= values.iter().any(|value| value.is_nan());
-                    self.layout.push(&mut parsed.chunk, &values);
-                    parsed.numbers.push(row as u64 + 1);
-                }
-                Err(bad) if self.skip_bad_rows => parsed.skipped.count(bad.reason),
-                Err(bad) => {
-                    parsed.bad = Some(*bad);
-                    break;
-                }
-            }
-        }
+        let (first, rows) = (self.row, self.rows_at_a_time.min(rows - self.row));
+        self.row += rows;
+        let place = (first as u64 + 1, rows);
+        let parsed = Parsed::of_table(&self.layout, place, self.skip_bad_rows, |row, values| {
+            self.values(first + row, values).map(|()| true)
+        });
         Ok(parsed)
     }
 

@@ -222,13 +222,7 @@ impl Layout {
     pub(super) fn extend(&self, chunk: &mut Chunk, rows: &[f64]) {
         for (number, slot) in self.slots.iter().enumerate() {
             let values = rows.iter().skip(number).step_by(self.slots.len());
-            match slot.kind {
-                Kind::Time => chunk.time_s.extend(values),
-                Kind::Temp(channel) => {
-                    chunk.temps_c[channel].extend(values.map(|&value| value as f32));
-                }
-                Kind::Axis(axis) => chunk.axes[axis].extend(values),
-            }
+            chunk.extend(slot.kind, values.copied());
         }
     }
 

@@ -25,6 +25,47 @@ pub(super) struct Parsed {
     pub(super) bad: Option<Bad>,
 }
 
+impl Parsed {
+    /// Rows of a table, of which `row` reads the values, in the order of the slots, and says whether a
+    /// row is wanted. Numbers begin with `first`.
+    pub(super) fn of_table(
+        layout: &Layout,
+        (first, rows): (u64, usize),
+        skip_bad_rows: bool,
+        mut row: impl FnMut(usize, &mut [f64]) -> Result<bool, Box<Bad>>,
+    ) -> Self {
+        let mut parsed = Self::with_capacity(layout, rows);
+        let mut values = vec![0.0; layout.slots.len()];
+        for number in 0..rows {
+            match row(number, &mut values) {
+                Ok(false) => {}
+                Ok(true) => {
+                    parsed.has_blanks |= values.iter().any(|value| value.is_nan());
+                    layout.push(&mut parsed.chunk, &values);
+                    parsed.numbers.push(first + number as u64);
+                }
+                Err(bad) if skip_bad_rows && !bad.is_fatal => parsed.skipped.count(bad.reason),
+                Err(bad) => {
+                    parsed.bad = Some(*bad);
+                    break;
+                }
+            }
+        }
+        parsed
+    }
+
+    /// No rows yet, with room for some.
+    pub(super) fn with_capacity(layout: &Layout, rows: usize) -> Self {
+        Self {
+            chunk: layout.chunk(rows),
+            numbers: RowNumbers::default(),
+            has_blanks: false,
+            skipped: SkippedRows::default(),
+            bad: None,
+        }
+    }
+}
+
 /// A row that is refused.
 #[derive(Debug)]
 pub(super) struct Bad {

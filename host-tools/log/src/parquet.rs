@@ -19,8 +19,7 @@ use super::pages::{BoundedFile, LARGEST_PAGE};
 use super::parquet_columns::{self as columns, Column, Origin};
 use super::parquet_file::{self, refused};
 use super::parquet_filters::{self as filters, Wanted};
-use super::row_numbers::RowNumbers;
-use super::skipped::{Reason, SkippedRows};
+use super::skipped::Reason;
 use super::slot::{Conversion, Kind, Slot};
 use super::source::Source;
 use super::time::TimeUnit;
@@ -249,36 +248,16 @@ impl ParquetRows {
 
     /// Checks the rows that were just read.
     fn checked(&mut self, rows: usize) -> Parsed {
-        let mut parsed = Parsed {
-            chunk: self.layout.chunk(rows),
-            numbers: RowNumbers::default(),
-            has_blanks: false,
-            skipped: SkippedRows::default(),
-            bad: None,
-        };
+        let mut parsed = Parsed::with_capacity(&self.layout, rows);
+        let first = self.row + 1;
         if self.take_columns(&mut parsed.chunk) {
-            parsed.numbers.push_run(rows, self.row + 1);
+            parsed.numbers.push_run(rows, first);
             return parsed;
         }
-        let mut values = vec![0.0; self.readers.len()];
-        for row in 0..rows {
-            match self.row(row, &mut values) {
-                Ok(false) => {}
-                Ok(true) => {
-                    parsed.has_blanks |= values.iter().any(|value| value.is_nan());
-                    self.layout.push(&mut parsed.chunk, &values);
-                    parsed.numbers.push(self.row + 1 + row as u64);
-                }
-                Err(bad) if self.skip_bad_rows && !bad.is_fatal => {
-                    parsed.skipped.count(bad.reason);
-                }
-                Err(bad) => {
-                    parsed.bad = Some(*bad);
-                    break;
-                }
-            }
-        }
-        parsed
+        let place = (first, rows);
+        Parsed::of_table(&self.layout, place, self.skip_bad_rows, |row, values| {
+            self.row(row, values)
+        })
     }
 
     /// Takes the rows that were just read column by column, if all of them are wanted and nothing is
@@ -296,14 +275,7 @@ impl ParquetRows {
         }
         for (slot, reader) in columns() {
             let values = reader.values.iter().flatten();
-            let values = values.map(|&value| slot.conversion.of(value));
-            match slot.kind {
-                Kind::Time => chunk.time_s.extend(values),
-                Kind::Temp(channel) => {
-                    chunk.temps_c[channel].extend(values.map(|value| value as f32));
-                }
-                Kind::Axis(axis) => chunk.axes[axis].extend(values),
-            }
+            chunk.extend(slot.kind, values.map(|&value| slot.conversion.of(value)));
         }
         true
     }

@@ -10,8 +10,7 @@ use super::filter_columns::several_sources;
 use super::layout::Layout;
 use super::order::{Bad, Parsed};
 use super::records::{MOST_CELLS, Records};
-use super::row_numbers::RowNumbers;
-use super::skipped::{Reason, SkippedRows};
+use super::skipped::Reason;
 use super::slot::{Kind, Slot};
 
 /// Bytes that a row takes at least, about: room is made for so many rows.
@@ -27,13 +26,7 @@ pub(super) fn parse(layout: &Layout, block: &Block, skip_bad_rows: bool) -> Pars
         values: vec![0.0; ROWS_AT_A_TIME * layout.slots.len()],
         kept: 0,
         skip_bad_rows,
-        parsed: Parsed {
-            chunk: layout.chunk(capacity),
-            numbers: RowNumbers::default(),
-            has_blanks: false,
-            skipped: SkippedRows::default(),
-            bad: None,
-        },
+        parsed: Parsed::with_capacity(layout, capacity),
     };
     let text = block.text();
     match layout.separator {

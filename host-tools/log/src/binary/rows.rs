@@ -6,8 +6,7 @@ use std::sync::Arc;
 use super::super::doubt::DoubtKind;
 use super::super::layout::{Finder, Found, Layout, RowKind};
 use super::super::order::{Bad, Parsed};
-use super::super::row_numbers::RowNumbers;
-use super::super::skipped::{Reason, SkippedRows};
+use super::super::skipped::Reason;
 use super::super::slot::Kind;
 use super::super::source::{Format, Source};
 use super::super::{AxisUnit, ColumnUnit, LogError};
@@ -120,32 +119,14 @@ impl BinaryRows {
             return Err(std::mem::take(&mut self.sha256));
         }
         let rows = left.min(self.rows_at_a_time);
-        let mut parsed = Parsed {
-            chunk: self.layout.chunk(rows),
-            numbers: RowNumbers::default(),
-            has_blanks: false,
-            skipped: SkippedRows {
-                damaged: std::mem::take(&mut self.damaged_parts),
-                ..SkippedRows::default()
-            },
-            bad: None,
-        };
-        let mut values = vec![0.0; self.fields.len()];
-        for row in 0..rows {
-            match self.values(self.row + row, &mut values) {
-                Ok(()) => {
-                    parsed.has_blanks |= values.iter().any(|value| value.is_nan());
-                    self.layout.push(&mut parsed.chunk, &values);
-                    parsed.numbers.push((self.row + 1 + row) as u64);
-                }
-                Err(bad) if self.skip_bad_rows => parsed.skipped.count(bad.reason),
-                Err(bad) => {
-                    parsed.bad = Some(*bad);
-                    break;
-                }
-            }
-        }
+        let first = self.row;
         self.row += rows;
+        let place = (first as u64 + 1, rows);
+        let mut parsed =
+            Parsed::of_table(&self.layout, place, self.skip_bad_rows, |row, values| {
+                self.values(first + row, values).map(|()| true)
+            });
+        parsed.skipped.damaged = std::mem::take(&mut self.damaged_parts);
         Ok(parsed)
     }
 
