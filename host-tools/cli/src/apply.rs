@@ -13,7 +13,7 @@ use tempco_log::parallel;
 use tempco_set::CoefficientSet;
 use tempco_set::escape::csv_cell;
 use tempco_set::files::{Draft, keep_all};
-use tempco_set::run::{KnownLog, Part, apply_to_file, apply_to_log, is_rereadable};
+use tempco_set::run::{KnownLog, Part, apply_to_file, apply_to_log, column_names, is_rereadable};
 
 use crate::Exit;
 use crate::judgement::say_rejections;
@@ -89,14 +89,7 @@ impl<'a> Output<'a> {
     /// Writes the names of the columns.
     fn begin(to: &'a mut File, set: &CoefficientSet) -> Self {
         let mut header = vec!["time_s".to_owned()];
-        let temperatures = set.channels.iter().map(|of| csv_cell(&of.temperature));
-        header.extend(temperatures);
-        for (_, axis) in set.axes() {
-            for what in ["raw", "bias", "compensated"] {
-                let name = format!("{}_{what}_{}", axis.name, axis.unit.name());
-                header.push(csv_cell(&name));
-            }
-        }
+        header.extend(column_names(set).iter().map(|name| csv_cell(name)));
         header.push("status".to_owned());
         let written = csv::Writer::from_writer(&mut *to).write_record(&header);
         Self {

@@ -6,19 +6,12 @@ use anstyle::{AnsiColor, Style};
 use anyhow::Result;
 use serde::Serialize;
 use tempco_evaluate::{Evaluation, Role};
-use tempco_set::{CoefficientSet, Judgement, Verdict};
+use tempco_set::{CoefficientSet, Judged, Judgement, Verdict};
 
 use crate::output::{print, print_json, say, shorten, wrap};
 
 /// Prints `of`, an object, and the judgement as one JSON object.
 pub(crate) fn print_as_json(of: impl Serialize, judgement: &Judgement) -> Result<()> {
-    #[derive(Serialize)]
-    struct Judged<'a, T> {
-        #[serde(flatten)]
-        of: T,
-        #[serde(flatten)]
-        judgement: &'a Judgement,
-    }
     print_json(&Judged { of, judgement })
 }
 

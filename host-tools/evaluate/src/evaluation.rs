@@ -6,7 +6,7 @@ use std::path::Path;
 use serde::Serialize;
 use tempco_log::signals::{self, Finding};
 use tempco_log::{AxisUnit, Doubt, Log, ReadOptions, SkippedRows, Survey};
-use tempco_set::run::{ApplyError, KnownLog, RunError, apply_to_file, apply_to_log};
+use tempco_set::run::{ApplyError, KnownLog, Part, RunError, apply_to_file, apply_to_log};
 use tempco_set::{ChannelSet, CoefficientSet, CoefficientSigmas, SegmentSet};
 use thiserror::Error;
 
@@ -173,14 +173,15 @@ pub fn evaluate(
     against: Option<&CoefficientSet>,
     tau_s: f64,
 ) -> Result<Evaluation, EvaluateError> {
-    let interval_s = log.interval_s;
-    let taus_s = taus_s(interval_s, tau_s)?;
-    let reference = Reference::new(set, against);
-    let compared = reference.set.as_deref();
-    let mut sums = LogSums::new(set, compared, interval_s, (&taus_s, tau_s));
-    apply_to_log(set, compared, log, |part| sums.push(&part))?;
-    let log = judged_log(set, log, log.rows(), signals::find(log));
-    evaluation(set, log, interval_s, reference, sums, (&taus_s, tau_s))
+    let judged = judged_log(set, log, log.rows(), signals::find(log));
+    evaluated(
+        set,
+        judged,
+        log.interval_s,
+        against,
+        tau_s,
+        |other, sums| Ok(apply_to_log(set, other, log, |part| sums.push(&part))?),
+    )
 }
 
 /// Evaluates `set` as [`evaluate`] does, on a file that was read before, in memory that does not grow
@@ -197,16 +198,59 @@ pub fn evaluate_file(
     observer: impl FnMut(u64),
 ) -> Result<Evaluation, EvaluateError> {
     let log = KnownLog::new(path, &survey.head);
-    let interval_s = log.interval_s;
+    let judged = judged_log(set, &survey.head, survey.rows, survey.findings.clone());
+    evaluated(
+        set,
+        judged,
+        log.interval_s,
+        against,
+        tau_s,
+        |other, sums| {
+            let sink = |part: Part| sums.push(&part);
+            Ok(apply_to_file(set, other, &log, options, observer, sink)?)
+        },
+    )
+}
+
+/// Evaluates `set` on a log that `run` runs it over, along with the reference.
+fn evaluated(
+    set: &CoefficientSet,
+    log: JudgedLog,
+    interval_s: f64,
+    against: Option<&CoefficientSet>,
+    tau_s: f64,
+    run: impl FnOnce(Option<&CoefficientSet>, &mut LogSums) -> Result<(), EvaluateError>,
+) -> Result<Evaluation, EvaluateError> {
     let taus_s = taus_s(interval_s, tau_s)?;
     let reference = Reference::new(set, against);
     let compared = reference.set.as_deref();
     let mut sums = LogSums::new(set, compared, interval_s, (&taus_s, tau_s));
-    apply_to_file(set, compared, &log, options, observer, |part| {
-        sums.push(&part);
-    })?;
-    let log = judged_log(set, &survey.head, survey.rows, survey.findings.clone());
-    evaluation(set, log, interval_s, reference, sums, (&taus_s, tau_s))
+    run(compared, &mut sums)?;
+    let gathered = sums.finish();
+    let mut axes = Vec::new();
+    for (number, channel) in set.channels.iter().enumerate() {
+        for of_channel in 0..channel.axes.len() {
+            let judged = Judged {
+                gathered: &gathered,
+                compared,
+                interval_s,
+                number: axes.len(),
+                channel: (number, channel),
+                of_channel,
+            };
+            axes.push(judged.evaluate(&taus_s, tau_s)?);
+        }
+    }
+    Ok(Evaluation {
+        log,
+        tau_s,
+        reference: reference.name,
+        max_boundary_jump: max_boundary_jump(set),
+        status_rows: gathered.status_rows,
+        outside: gathered.outside,
+        segments: set.channels.iter().map(|c| c.segments.clone()).collect(),
+        axes,
+    })
 }
 
 /// All averaging times, shortest first.
@@ -221,42 +265,6 @@ fn taus_s(interval_s: f64, tau_s: f64) -> Result<Vec<f64>, EvaluateError> {
     taus_s.sort_by(f64::total_cmp);
     taus_s.dedup();
     Ok(taus_s)
-}
-
-/// Puts the figures together.
-fn evaluation(
-    set: &CoefficientSet,
-    log: JudgedLog,
-    interval_s: f64,
-    reference: Reference,
-    sums: LogSums,
-    (taus_s, tau_s): (&[f64], f64),
-) -> Result<Evaluation, EvaluateError> {
-    let gathered = sums.finish();
-    let mut axes = Vec::new();
-    for (number, channel) in set.channels.iter().enumerate() {
-        for of_channel in 0..channel.axes.len() {
-            let judged = Judged {
-                gathered: &gathered,
-                compared: reference.set.as_deref(),
-                interval_s,
-                number: axes.len(),
-                channel: (number, channel),
-                of_channel,
-            };
-            axes.push(judged.evaluate(taus_s, tau_s)?);
-        }
-    }
-    Ok(Evaluation {
-        log,
-        tau_s,
-        reference: reference.name,
-        max_boundary_jump: max_boundary_jump(set),
-        status_rows: gathered.status_rows,
-        outside: gathered.outside,
-        segments: set.channels.iter().map(|c| c.segments.clone()).collect(),
-        axes,
-    })
 }
 
 /// What is said of a log of so many rows, which `log` need not hold.

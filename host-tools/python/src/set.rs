@@ -6,14 +6,16 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use serde::Serialize;
-use tempco_evaluate::{Evaluation, evaluate, judge};
+use tempco_evaluate::{evaluate, judge};
 use tempco_fit::FitOptions;
 use tempco_fit::summary::LogSummary;
 use tempco_log::AxisUnit;
 use tempco_report::{Calibration, Rows};
 use tempco_set::parameters::{self, Autopilot, export_parameters};
-use tempco_set::run::apply_to_log;
-use tempco_set::{CoefficientSet, Judgement, load_set, table_bin, table_h, table_rs, write_set};
+use tempco_set::run::{apply_to_log, column_names};
+use tempco_set::{
+    CoefficientSet, Judged, Judgement, load_set, table_bin, table_h, table_rs, write_set,
+};
 
 use crate::errors::{FitError, SetError, of_calibration, of_evaluation, of_set, work};
 use crate::log::Log;
@@ -248,7 +250,7 @@ impl Set {
         work(py, || {
             let evaluation = evaluate(&self.set, log, against, tau_s).map_err(of_evaluation)?;
             json(&Judged {
-                evaluation: &evaluation,
+                of: &evaluation,
                 judgement: &judge(&self.set, Some(&evaluation)),
             })
         })
@@ -263,12 +265,7 @@ struct Columns {
 
 impl Set {
     fn columns(&self, log: &tempco_log::Log) -> Result<Columns, tempco_set::run::ApplyError> {
-        let temperatures = self.set.channels.iter().map(|of| of.temperature.clone());
-        let axes = self.set.axes().flat_map(|(_, axis)| {
-            ["raw", "bias", "compensated"]
-                .map(|what| format!("{}_{what}_{}", axis.name, axis.unit.name()))
-        });
-        let names = temperatures.chain(axes);
+        let names = column_names(&self.set).into_iter();
         let mut columns = Columns {
             values: names
                 .map(|name| (name, Vec::with_capacity(log.rows())))
@@ -288,15 +285,6 @@ impl Set {
         })?;
         Ok(columns)
     }
-}
-
-/// An evaluation with what follows from it, in one object.
-#[derive(Serialize)]
-struct Judged<'a> {
-    #[serde(flatten)]
-    evaluation: &'a Evaluation,
-    #[serde(flatten)]
-    judgement: &'a Judgement,
 }
 
 fn json(of: &impl Serialize) -> PyResult<String> {

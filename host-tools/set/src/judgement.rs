@@ -319,6 +319,17 @@ impl Judgement {
     }
 }
 
+/// Something with the judgement that follows, as one JSON object.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Judged<'a, T> {
+    /// An object.
+    #[serde(flatten)]
+    pub of: T,
+    /// What follows.
+    #[serde(flatten)]
+    pub judgement: &'a Judgement,
+}
+
 impl Serialize for Judgement {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut object = serializer.serialize_struct("Judgement", 4)?;

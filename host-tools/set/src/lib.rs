@@ -51,7 +51,7 @@ pub use emit::{set_of_image, table_bin, table_h, table_rs};
 pub use extent::{Extent, TooFast};
 pub use folder::{MARK, REPORT, TABLE_BIN, WriteError, file_names, strangers, write_set};
 pub use history::{HistoryGain, HistoryTerm};
-pub use judgement::{Judgement, Rejection, RejectionCode, Verdict, Warning, WarningCode};
+pub use judgement::{Judged, Judgement, Rejection, RejectionCode, Verdict, Warning, WarningCode};
 pub use load::{SetError, check_folder, load_set, read_set};
 pub use model::{AxisModel, COMPOSITE, LOCAL_TERMS, Mismatch, Polynomial, TERMS};
 pub use model_kind::Model;

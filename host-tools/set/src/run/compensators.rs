@@ -18,6 +18,17 @@ pub struct Applied {
     pub axes: Vec<AxisOutput>,
 }
 
+/// Names of the columns of a compensated log, without time and status: the temperatures, then raw, bias
+/// and compensated of each axis.
+pub fn column_names(set: &CoefficientSet) -> Vec<String> {
+    let temperatures = set.channels.iter().map(|of| of.temperature.clone());
+    let axes = set.axes().flat_map(|(_, axis)| {
+        ["raw", "bias", "compensated"]
+            .map(|what| format!("{}_{what}_{}", axis.name, axis.unit.name()))
+    });
+    temperatures.chain(axes).collect()
+}
+
 /// An axis after compensation, all in the unit of the axis.
 #[derive(Clone, Debug, Default)]
 pub struct AxisOutput {

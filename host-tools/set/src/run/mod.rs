@@ -10,7 +10,7 @@ mod thermal_path;
 mod updates;
 
 pub use columns::{ApplyError, ChannelInputs};
-pub use compensators::{Applied, AxisOutput};
+pub use compensators::{Applied, AxisOutput, column_names};
 pub use file::{KnownLog, RunError, apply_to_file, is_rereadable};
 pub use memory::{apply, apply_to_log, inputs};
 pub use parts::Part;

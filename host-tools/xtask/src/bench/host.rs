@@ -5,6 +5,7 @@ use std::process::Command;
 
 use anyhow::Result;
 use serde_json::{Map, Value, json};
+use tempco_log::median::median;
 use tempco_qemu::Workspace;
 use tempco_twin::Profile;
 
@@ -44,9 +45,7 @@ struct Job<'a> {
 impl Job<'_> {
     /// The median of something that the runs took.
     fn median(&self, of: impl Fn(&Taken) -> f64) -> f64 {
-        let mut all: Vec<f64> = self.runs.iter().map(of).collect();
-        all.sort_by(f64::total_cmp);
-        all.get(all.len() / 2).copied().unwrap_or(f64::NAN)
+        median(&mut self.runs.iter().map(of).collect::<Vec<_>>())
     }
 
     fn seconds(&self) -> f64 {
