@@ -45,15 +45,13 @@ fn shifted(mut p: Cubic, by: f64) -> Cubic {
     p
 }
 
-/// The cubic in `d = T - centre_c` that is nearest to a curve, by least squares over points that are
-/// evenly spread over the range.
-pub(super) fn nearest(curve: impl Fn(f64) -> f64, (low, high): (f64, f64), points: usize) -> Cubic {
+/// The cubic that is nearest, by least squares, to values at temperatures that are evenly spread over a
+/// range; in `d = T - centre` of the range.
+pub(super) fn nearest(values: &[f64], (low, high): (f64, f64)) -> Cubic {
     let half_width = 0.5 * (high - low);
+    let points = values.len();
     let at = |point: usize| 2.0 * point as f64 / (points - 1) as f64 - 1.0;
     let sum = |of: &dyn Fn(f64) -> f64| (0..points).map(|point| of(at(point))).sum::<f64>();
-    let values: Vec<f64> = (0..points)
-        .map(|point| curve(low + half_width * (at(point) + 1.0)))
-        .collect();
     // Powers of z, -1 to 1, made orthogonal over the points.
     let mut basis: Vec<Cubic> = Vec::new();
     let mut nearest = [0.0; 4];
@@ -91,7 +89,9 @@ mod tests {
     fn a_cubic_is_found_again() {
         let range_c = (-15.0, 80.0);
         let centre_c = 32.5;
-        let found = nearest(|t| horner(&CUBIC, t - centre_c), range_c, 501);
+        let temp_c = |point: usize| -15.0 + 95.0 * point as f64 / 500.0;
+        let values = (0..501).map(|point| horner(&CUBIC, temp_c(point) - centre_c));
+        let found = nearest(&values.collect::<Vec<_>>(), range_c);
         for (found, expected) in found.iter().zip(CUBIC) {
             assert!(
                 (found - expected).abs() < 1e-12 * (1.0 + expected.abs()),
@@ -103,7 +103,8 @@ mod tests {
     /// Of `z^4` on -1 to 1, the nearest polynomial of degree 3 is `6/7 z^2 - 3/35`.
     #[test]
     fn the_nearest_cubic_is_by_least_squares() {
-        let found = nearest(|z| z.powi(4), (-1.0, 1.0), 100_001);
+        let values = (0..100_001).map(|point| (f64::from(point) / 50_000.0 - 1.0).powi(4));
+        let found = nearest(&values.collect::<Vec<_>>(), (-1.0, 1.0));
         for (found, expected) in found.iter().zip([-3.0 / 35.0, 0.0, 6.0 / 7.0, 0.0]) {
             assert!((found - expected).abs() < 1e-4, "{found} {expected}");
         }

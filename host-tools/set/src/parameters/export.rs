@@ -70,22 +70,16 @@ pub fn export_parameters(
     for (&axis, cubic) in axes.iter().zip(&mut cubics.axes) {
         let factor = to_rad_per_s(channel.axes[axis].unit)?;
         let curve = at_rest(channel, axis, range_c)?;
-        let at = |temp_c: f64| {
-            let place = (temp_c - range_c.0) / (range_c.1 - range_c.0) * (POINTS - 1) as f64;
-            factor * curve[place.round() as usize]
-        };
-        *cubic = nearest(at, range_c, POINTS);
+        let in_rad_per_s: Vec<f64> = curve.iter().map(|bias| factor * bias).collect();
+        *cubic = nearest(&in_rad_per_s, range_c);
         curves.push((axis, factor, curve));
     }
     let losses = curves
         .iter()
         .enumerate()
         .map(|(number, (axis, factor, curve))| {
-            let differences = curve.iter().enumerate().map(|(point, bias)| {
-                let share = point as f64 / (POINTS - 1) as f64;
-                let temp_c = range_c.0 + share * (range_c.1 - range_c.0);
-                bias - cubics.at(number, temp_c) / factor
-            });
+            let pairs = curve.iter().zip(temps_c(range_c));
+            let differences = pairs.map(|(bias, temp_c)| bias - cubics.at(number, temp_c) / factor);
             let differences: Vec<f64> = differences.collect();
             let squares: f64 = differences.iter().map(|of| of * of).sum();
             Loss {
@@ -132,19 +126,24 @@ fn gyro(set: &CoefficientSet) -> Result<(&ChannelSet, [usize; AXES.len()]), Stri
     Ok((channel, places))
 }
 
+/// Temperatures that are evenly spread over a range.
+fn temps_c((low, high): (f64, f64)) -> impl Iterator<Item = f64> {
+    let share = |point: usize| point as f64 / (POINTS - 1) as f64;
+    (0..POINTS).map(move |point| low + share(point) * (high - low))
+}
+
 /// The bias at rest of an axis over the calibrated range, as the core computes it: without rate, lag
 /// and pull of the plays.
-fn at_rest(channel: &ChannelSet, axis: usize, (low, high): (f64, f64)) -> Result<Vec<f64>, String> {
+fn at_rest(channel: &ChannelSet, axis: usize, range_c: (f64, f64)) -> Result<Vec<f64>, String> {
     let biases = channel.table.with_axis(axis, |table| {
-        let bias = |point: usize| {
-            let share = point as f64 / (POINTS - 1) as f64;
+        let bias = |temp_c: f64| {
             let point = ThermalPoint {
-                effective_c: (low + share * (high - low)) as f32,
+                effective_c: temp_c as f32,
                 ..ThermalPoint::default()
             };
             f64::from(table.bias(&point).0[0])
         };
-        (0..POINTS).map(bias).collect()
+        temps_c(range_c).map(bias).collect()
     });
     biases.map_err(|error| error.to_string())
 }

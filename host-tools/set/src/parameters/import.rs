@@ -71,10 +71,9 @@ fn imported(
     for coefficient in cubics.axes.iter_mut().flatten() {
         *coefficient /= factor;
     }
-    let (cells, deviation) = (1..=MOST_SEGMENTS)
-        .map(|count| (count, deviation(&cubics, count)))
-        .find(|(count, deviation)| *deviation <= TOLERANCE || *count == MOST_SEGMENTS)
-        .unwrap_or((MOST_SEGMENTS, 1.0));
+    let cells = (1..MOST_SEGMENTS)
+        .find(|count| deviation(&cubics, *count) <= TOLERANCE)
+        .unwrap_or(MOST_SEGMENTS);
     let segmentation = Segmentation::new(segments(&cubics, cells));
     let segmentation = segmentation.map_err(|error| error.to_string())?;
     let axes = AXES.iter().enumerate().map(|(axis, name)| {
@@ -97,7 +96,7 @@ fn imported(
     Ok(Imported {
         cells: set.channels[0].table.cells.len(),
         set,
-        deviation,
+        deviation: deviation(&cubics, cells),
     })
 }
 
