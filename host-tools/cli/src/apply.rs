@@ -159,12 +159,11 @@ fn text_of(part: &Part, rows: Range<usize>) -> Vec<u8> {
 /// takes several times as long.
 fn push_number<T: zmij::Float + Display>(text: &mut Vec<u8>, value: T) {
     let mut buffer = zmij::Buffer::new();
-    let number = buffer.format(value);
-    if number.contains('e') {
-        text.extend_from_slice(value.to_string().as_bytes());
-    } else {
-        let number = number.strip_suffix(".0").unwrap_or(number);
-        text.extend_from_slice(number.as_bytes());
+    match buffer.format(value).as_bytes() {
+        number if number.contains(&b'e') => {
+            text.extend_from_slice(value.to_string().as_bytes());
+        }
+        [number @ .., b'.', b'0'] | number => text.extend_from_slice(number),
     }
 }
 

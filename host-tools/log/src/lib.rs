@@ -86,6 +86,7 @@ mod time_column;
 mod time_types;
 pub mod turns;
 mod unit;
+mod zstandard;
 
 pub use axis_columns::AxisColumn;
 pub use channel_columns::ChannelColumns;

@@ -15,6 +15,8 @@ use parquet::file::reader::{ChunkReader, Length};
 use parquet::file::serialized_reader::SerializedPageReader;
 use thiserror::Error;
 
+use super::zstandard::ZstdDecoder;
+
 /// The largest page, and footer, that is read \[bytes\]: 16 million values of eight bytes.
 pub(super) const LARGEST_PAGE: usize = 128 << 20;
 
@@ -176,7 +178,7 @@ impl Unpacker {
                 snap::raw::Decoder::new().decompress(packed, values)?;
             }
             Compression::GZIP(_) => self.append(MultiGzDecoder::new(packed), &mut unpacked)?,
-            Compression::ZSTD(_) => self.append(zstd::Decoder::new(packed)?, &mut unpacked)?,
+            Compression::ZSTD(_) => self.append(ZstdDecoder::new(packed), &mut unpacked)?,
             // The size of the values is not in the data, so room is made until they fit.
             Compression::LZ4_RAW => {
                 let mut room = packed.len().saturating_mul(4).clamp(1 << 16, self.most);

@@ -165,7 +165,7 @@ impl ParquetRows {
             filters: Vec::new(),
             other_source: Arc::default(),
             row: 0,
-            digest: Some(thread::spawn(move || source.text()?.sha256())),
+            digest: Some(thread::spawn(move || source.text().sha256())),
         };
         Ok((rows, layout))
     }

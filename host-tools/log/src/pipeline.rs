@@ -46,7 +46,7 @@ impl Pipeline {
         block_bytes: usize,
     ) -> Result<(Self, Arc<Layout>), LogError> {
         let (path, format) = (finder.path, source.format);
-        let text = source.text().map_err(|cause| format.error(path, cause))?;
+        let text = source.text();
         let (header, body) = read_head(text).map_err(|error| match error {
             HeadError::Read(cause) => failed(path, format, cause),
             HeadError::Doubtful(message) => LogError::file(path, message),

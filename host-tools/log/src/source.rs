@@ -10,6 +10,7 @@ use flate2::bufread::MultiGzDecoder;
 use sha2::{Digest, Sha256};
 
 use super::LogError;
+use super::zstandard::ZstdDecoder;
 
 /// Bytes read from a compressed file at a time.
 const BUFFER_BYTES: usize = 1 << 18;
@@ -109,16 +110,13 @@ impl Source {
     }
 
     /// The text of the file, unpacked if it is packed.
-    pub(super) fn text(self) -> io::Result<Text> {
+    pub(super) fn text(self) -> Text {
         let buffered = |content| BufReader::with_capacity(BUFFER_BYTES, content);
-        Ok(match self.format {
+        match self.format {
             Format::Gzip => Text::Gzip(Box::new(MultiGzDecoder::new(buffered(self.content)))),
-            Format::Zstd => {
-                let decoder = zstd::Decoder::with_buffer(buffered(self.content))?;
-                Text::Zstd(Box::new(decoder))
-            }
+            Format::Zstd => Text::Zstd(Box::new(ZstdDecoder::new(buffered(self.content)))),
             _ => Text::Plain(Box::new(self.content)),
-        })
+        }
     }
 }
 
@@ -126,7 +124,7 @@ impl Source {
 pub(super) enum Text {
     Plain(Box<Bytes>),
     Gzip(Box<MultiGzDecoder<BufReader<Bytes>>>),
-    Zstd(Box<zstd::Decoder<'static, BufReader<Bytes>>>),
+    Zstd(Box<ZstdDecoder<BufReader<Bytes>>>),
 }
 
 impl Read for Text {
@@ -145,7 +143,7 @@ impl Text {
         let mut content = match self {
             Self::Plain(content) => *content,
             Self::Gzip(decoder) => decoder.into_inner().into_inner(),
-            Self::Zstd(decoder) => decoder.finish().into_inner(),
+            Self::Zstd(decoder) => decoder.into_inner().into_inner(),
         };
         io::copy(&mut content, &mut io::sink())?;
         Ok(hex(&content.into_inner().1.digest.finalize()))

@@ -11,8 +11,9 @@ use std::{env, fs};
 use serde_json::json;
 use tempfile::TempDir;
 
+use crate::log::Messages;
 use crate::qmp::Qmp;
-use crate::{Board, Error, log};
+use crate::{Board, Error};
 
 /// QEMU is up long before.
 const START_LIMIT: Duration = Duration::from_secs(20);
@@ -55,8 +56,7 @@ pub enum MachineTime {
 pub struct Machine {
     child: Child,
     qmp: Qmp,
-    /// None of an image without logs.
-    table: Option<defmt_decoder::Table>,
+    messages: Messages,
     stdout: Collected,
     /// Holds the sockets.
     folder: TempDir,
@@ -70,7 +70,7 @@ impl Machine {
     /// There is no QEMU, or it refuses the image or an argument.
     pub fn start(elf: &Path, board: Board, options: &MachineOptions) -> Result<Self, Error> {
         let elf = elf.canonicalize().map_err(Error::file(elf))?;
-        let table = log::table_if_any(&elf, &fs::read(&elf).map_err(Error::file(&elf))?)?;
+        let messages = Messages::of(&elf, &fs::read(&elf).map_err(Error::file(&elf))?)?;
         let folder = tempfile::tempdir().map_err(Error::file(&env::temp_dir()))?;
         let mut command = qemu(&elf, board, folder.path(), options);
         let mut child = command.spawn().map_err(|cause| Error::Start {
@@ -83,7 +83,7 @@ impl Machine {
             Ok(qmp) => Ok(Self {
                 child,
                 qmp,
-                table,
+                messages,
                 stdout,
                 folder,
             }),
@@ -99,10 +99,9 @@ impl Machine {
         self.folder.path().join("link")
     }
 
-    /// What the image logged so far, a message each.
+    /// What the image logged so far, a message each; nothing without the feature `messages`.
     pub fn log(&self) -> Vec<String> {
-        let table = self.table.as_ref();
-        table.map_or_else(Vec::new, |table| log::lines(table, &self.stdout.so_far()))
+        self.messages.lines(&self.stdout.so_far())
     }
 
     /// Resets the machine, as a reset pin does; what is in its memory stays.

@@ -9,7 +9,8 @@ use std::time::{Duration, Instant};
 use std::{fs, io};
 
 use crate::install::checked;
-use crate::{Board, Error, log};
+use crate::log::Messages;
+use crate::{Board, Error};
 
 /// How an image is run.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -43,7 +44,7 @@ impl Default for Options {
 pub struct Run {
     /// What the image ended with; 0 says that all went well.
     pub exit_code: i32,
-    /// What the image logged, a message each.
+    /// What the image logged, a message each; nothing without the feature `messages`.
     pub log: Vec<String>,
     /// What the image wrote to semihosting's console, which is apart from the log.
     pub console: String,
@@ -77,11 +78,11 @@ impl Run {
 /// The image sees `args` as its command line, behind a program name, and the files of the host.
 ///
 /// # Errors
-/// It does not end within its time, QEMU refuses it or is killed, or it has no defmt strings. An
+/// It does not end within its time, QEMU refuses it or is killed, or its defmt strings are spoilt. An
 /// exit code other than 0 is not an error of this function.
 pub fn run(elf: &Path, board: Board, args: &[&str], options: &Options) -> Result<Run, Error> {
     let elf = elf.canonicalize().map_err(Error::file(elf))?;
-    let table = log::table(&elf, &fs::read(&elf).map_err(Error::file(&elf))?)?;
+    let messages = Messages::of(&elf, &fs::read(&elf).map_err(Error::file(&elf))?)?;
 
     let mut command = qemu(&elf, board, args, options);
     let mut child = command.spawn().map_err(|cause| Error::Start {
@@ -91,7 +92,8 @@ pub fn run(elf: &Path, board: Board, args: &[&str], options: &Options) -> Result
     let stdout = collect(child.stdout.take());
     let stderr = collect(child.stderr.take());
     let status = wait(&mut child, options.time_limit).map_err(Error::file(&elf))?;
-    let log = log::lines(&table, &stdout.join().unwrap_or_default());
+    let stdout = stdout.join().unwrap_or_default();
+    let log = messages.lines(&stdout);
     let stderr = String::from_utf8_lossy(&stderr.join().unwrap_or_default()).into_owned();
 
     let Some(status) = status else {
@@ -107,7 +109,7 @@ pub fn run(elf: &Path, board: Board, args: &[&str], options: &Options) -> Result
             log,
         }),
         // The images say something whatever happens, so this was not the image.
-        Some(code) if code != 0 && log.is_empty() => Err(Error::Emulator { status, stderr }),
+        Some(code) if code != 0 && stdout.is_empty() => Err(Error::Emulator { status, stderr }),
         Some(exit_code) => Ok(Run {
             exit_code,
             log,

@@ -48,7 +48,7 @@ impl BinaryRows {
     ) -> Result<(Self, Arc<Layout>), LogError> {
         let (path, format) = (finder.path, source.format);
         let failed = |cause| format.error(path, cause);
-        let mut window = Window::new(source.text().map_err(failed)?);
+        let mut window = Window::new(source.text());
         let (table, topic) = match format {
             Format::Ulog => (ulog::read(&mut window), ulog::TOPIC),
             _ => (dataflash::read(&mut window), dataflash::TOPIC),
