@@ -6,6 +6,7 @@ use std::path::Path;
 
 use proptest::prelude::*;
 
+use super::tests::parts_of;
 use super::{Chunk, LogError, LogStream, ReadOptions};
 
 /// A log, column by column, as it stands in plain CSV.
@@ -131,7 +132,7 @@ fn utf16(text: &str, bytes: fn(u16) -> [u8; 2]) -> Vec<u8> {
 }
 
 fn read(path: &Path, size: usize) -> Result<Chunk, LogError> {
-    let mut stream = LogStream::open_in_parts(path, &ReadOptions::default(), size, size)?;
+    let mut stream = LogStream::open_in_parts(path, &ReadOptions::default(), parts_of(size, 2))?;
     let mut whole = stream.empty_chunk();
     while let Some(chunk) = stream.next_chunk()? {
         whole.append(&chunk);

@@ -1,9 +1,8 @@
 //! Rows of a Parquet file.
 
 use std::fs::File;
-use std::sync::mpsc::{Receiver, sync_channel};
+use std::io;
 use std::sync::{Arc, OnceLock};
-use std::thread::{self, JoinHandle};
 
 use parquet::errors::ParquetError;
 use parquet::file::metadata::{ParquetMetaData, ParquetMetaDataReader};
@@ -16,12 +15,14 @@ use super::layout::{Finder, Found, Layout, RowKind};
 use super::mapping::{Filter, Mapping};
 use super::order::{Bad, Parsed};
 use super::pages::{BoundedFile, LARGEST_PAGE};
+use super::parallel::{Ahead, Part, later};
 use super::parquet_columns::{self as columns, Column, Origin};
 use super::parquet_file::{self, refused};
 use super::parquet_filters::{self as filters, Wanted};
 use super::skipped::Reason;
 use super::slot::{Conversion, Kind, Slot};
 use super::source::Source;
+use super::stream::Parts;
 use super::time::TimeUnit;
 use super::time_types::{TimeType, time_types};
 
@@ -54,7 +55,7 @@ pub(super) struct ParquetRows {
     /// Rows read so far.
     row: u64,
     /// A second reader of the file, since its rows are not read from front to end.
-    digest: Option<JoinHandle<std::io::Result<String>>>,
+    digest: Option<Box<dyn FnOnce() -> io::Result<String> + Send>>,
 }
 
 impl ParquetRows {
@@ -68,7 +69,7 @@ impl ParquetRows {
         source: Source,
         finder: &Finder,
         skip_bad_rows: bool,
-        rows_at_a_time: usize,
+        parts: Parts,
     ) -> Result<(Self, Arc<Layout>), LogError> {
         let path = finder.path;
         let file = File::open(path).map_err(LogError::io(path))?;
@@ -158,47 +159,34 @@ impl ParquetRows {
             origin,
             wanted,
             skip_bad_rows,
-            rows_at_a_time,
+            rows_at_a_time: parts.table_rows,
             group: 0,
             rows_left: 0,
             readers: Vec::new(),
             filters: Vec::new(),
             other_source: Arc::default(),
             row: 0,
-            digest: Some(thread::spawn(move || source.text().sha256())),
+            digest: Some(later(parts.cores, move || source.text().sha256())),
         };
         Ok((rows, layout))
     }
 
-    /// Reads on a thread of its own; what [`next`](Self::next) says comes through the channel, up to the
-    /// end of the file or an error.
-    pub(super) fn start(mut self) -> Receiver<Result<Result<Parsed, String>, LogError>> {
-        let (parts_in, parts) = sync_channel(PARTS_AHEAD);
-        thread::spawn(move || {
-            loop {
-                let part = self.next();
-                let is_last = !matches!(part, Ok(Ok(_)));
-                // Nobody waits any more if a row before was refused.
-                if parts_in.send(part).is_err() || is_last {
-                    break;
-                }
-            }
-        });
-        parts
+    /// Reads ahead: what [`next`](Self::next) says, up to the end of the file or an error.
+    pub(super) fn start(mut self, cores: usize) -> Ahead<Parsed> {
+        Ahead::new(cores, PARTS_AHEAD, move || self.next())
     }
 
     /// The next rows, or the hash of the file at its end.
     ///
     /// # Errors
     /// A file that is not sound.
-    fn next(&mut self) -> Result<Result<Parsed, String>, LogError> {
+    fn next(&mut self) -> Part<Parsed> {
         let layout = Arc::clone(&self.layout);
         let failed = |cause: ParquetError| refused(&layout.path, &cause);
         while self.rows_left == 0 {
             if self.group == self.metadata.num_row_groups() {
-                let digest = self.digest.take().expect("a log ends once").join();
-                let digest = digest.expect("hashing cannot panic");
-                return Ok(Err(digest.map_err(LogError::io(&layout.path))?));
+                let digest = self.digest.take().expect("a log ends once");
+                return Ok(Err(digest().map_err(LogError::io(&layout.path))?));
             }
             self.open_group().map_err(failed)?;
         }

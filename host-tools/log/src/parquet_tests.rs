@@ -9,6 +9,7 @@ use parquet::data_type::ByteArray;
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::parser::parse_message_type;
 
+use super::tests::parts_of;
 use super::{Chunk, LogStream, Mapping, ReadOptions};
 
 /// Cells of a column of a table.
@@ -55,7 +56,8 @@ fn read_table(path: &Path, mapping: Mapping, skip_bad_rows: bool) -> Result<Chun
         skip_bad_rows,
         ..ReadOptions::default()
     };
-    let mut stream = LogStream::open_in_parts(path, &options, 100, 7).map_err(|e| e.to_string())?;
+    let mut stream =
+        LogStream::open_in_parts(path, &options, parts_of(7, 2)).map_err(|e| e.to_string())?;
     let mut rows = stream.empty_chunk();
     while let Some(chunk) = stream.next_chunk().map_err(|e| e.to_string())? {
         rows.append(&chunk);

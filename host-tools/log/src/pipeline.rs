@@ -1,11 +1,12 @@
-//! Reads, hashes and parses text on several threads, in memory that does not grow with the file.
+//! Reads, hashes and parses text on several threads, in memory that does not grow with the file. Where
+//! there is one core, one block follows the other.
 //!
 //! ```text
 //! one thread: read, hash, unpack, cut into blocks --> some threads: parse --> in order
 //! ```
 
 use std::path::{Path, PathBuf};
-use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
+use std::sync::mpsc::{Receiver, Sender, channel, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 
@@ -14,8 +15,10 @@ use super::blocks::{Block, BlockError, Blocks};
 use super::head::{Body, HeadError, read_head};
 use super::layout::{Finder, Layout};
 use super::order::Parsed;
+use super::parallel::{Ahead, Part};
 use super::rows;
 use super::source::{Format, Source};
+use super::stream::Parts;
 
 /// Blocks under way at a time.
 const DEPTH: usize = 4;
@@ -23,15 +26,9 @@ const DEPTH: usize = 4;
 /// Threads that parse; with more, hashing takes the time.
 const MOST_PARSERS: usize = 3;
 
-/// A block that is being parsed, or how reading ended: with the file's hash or an error.
-enum Item {
-    Parsing(Receiver<Parsed>),
-    Ended(Result<String, LogError>),
-}
-
 /// The rows of a text file, parsed block by block.
 pub(super) struct Pipeline {
-    items: Receiver<Item>,
+    blocks: Ahead<Receiver<Parsed>>,
 }
 
 impl Pipeline {
@@ -43,7 +40,7 @@ impl Pipeline {
         source: Source,
         finder: &Finder,
         skip_bad_rows: bool,
-        block_bytes: usize,
+        parts: Parts,
     ) -> Result<(Self, Arc<Layout>), LogError> {
         let (path, format) = (finder.path, source.format);
         let text = source.text();
@@ -57,32 +54,41 @@ impl Pipeline {
         })?;
         let line = u64::from(header.lines) + 1;
         let encoding = body.get_ref().1.encoding;
-        let blocks = Blocks::new(body, block_bytes, line, header.separator.record_byte());
+        let blocks = Blocks::new(
+            body,
+            parts.block_bytes,
+            line,
+            header.separator.record_byte(),
+        );
         let layout = Arc::new(Layout::of_text(header, encoding, finder)?);
 
-        let (items_in, items) = sync_channel(DEPTH);
         let (used_in, used) = channel();
-        let reader = BlockReader {
+        let parse = parser(&layout, skip_bad_rows, used_in);
+        let mut hand_over = on_threads(parse, parts.cores);
+        let mut reader = BlockReader {
             path: path.to_owned(),
             format,
-            items: items_in,
-            jobs: start_parsers(&layout, skip_bad_rows, &used_in),
-            used,
+            blocks: Some(blocks),
         };
-        thread::spawn(move || reader.run(blocks));
-        Ok((Self { items }, layout))
+        let next = move || {
+            let next = reader.next(used.try_recv().unwrap_or_default())?;
+            Ok(next.map(|block| {
+                let (parsed_in, parsed) = channel();
+                hand_over((block, parsed_in));
+                parsed
+            }))
+        };
+        let blocks = Ahead::new(parts.cores, DEPTH, next);
+        Ok((Self { blocks }, layout))
     }
 
     /// The next rows, or the hash of the file at its end.
     ///
     /// # Errors
     /// Those of reading and unpacking.
-    pub(super) fn next(&mut self) -> Result<Result<Parsed, String>, LogError> {
-        const ALIVE: &str = "the threads of a pipeline end after it";
-        match self.items.recv().expect(ALIVE) {
-            Item::Parsing(parsed) => Ok(Ok(parsed.recv().expect(ALIVE))),
-            Item::Ended(digest) => Ok(Err(digest?)),
-        }
+    pub(super) fn next(&mut self) -> Part<Parsed> {
+        let parsed = self.blocks.next()?;
+        Ok(parsed.map(|parsed| parsed.recv().expect("every block is parsed")))
     }
 }
 
@@ -95,60 +101,65 @@ fn failed(path: &Path, format: Format, cause: BlockError) -> LogError {
 
 type Job = (Block, Sender<Parsed>);
 
-/// Starts the threads that parse; they end when no more jobs can come.
-fn start_parsers(
+/// Parses a block and hands its memory back.
+fn parser(
     layout: &Arc<Layout>,
     skip_bad_rows: bool,
-    used: &Sender<Vec<u8>>,
-) -> SyncSender<Job> {
+    used: Sender<Vec<u8>>,
+) -> impl FnMut(Job) + Clone + Send + 'static {
+    let layout = Arc::clone(layout);
+    move |(block, parsed)| {
+        // Nobody waits any more if a row before was refused.
+        let _ = parsed.send(rows::parse(&layout, &block, skip_bad_rows));
+        let _ = used.send(block.into_bytes());
+    }
+}
+
+/// Does `work` on threads, which end when no more jobs can come; at once, where there is one core.
+fn on_threads(
+    work: impl FnMut(Job) + Clone + Send + 'static,
+    cores: usize,
+) -> Box<dyn FnMut(Job) + Send> {
+    if cores < 2 {
+        return Box::new(work);
+    }
     let (jobs_in, jobs) = sync_channel::<Job>(DEPTH);
     let jobs = Arc::new(Mutex::new(jobs));
-    let cores = thread::available_parallelism().map_or(1, usize::from);
     for _ in 0..cores.min(MOST_PARSERS) {
-        let (jobs, layout, used) = (Arc::clone(&jobs), Arc::clone(layout), used.clone());
+        let (jobs, mut work) = (Arc::clone(&jobs), work.clone());
         thread::spawn(move || {
             loop {
                 let job = jobs.lock().unwrap_or_else(PoisonError::into_inner).recv();
-                let Ok((block, parsed)) = job else { break };
-                // Nobody waits any more if a row before was refused.
-                let _ = parsed.send(rows::parse(&layout, &block, skip_bad_rows));
-                let _ = used.send(block.into_bytes());
+                let Ok(job) = job else { break };
+                work(job);
             }
         });
     }
-    jobs_in
+    Box::new(move |job| {
+        jobs_in
+            .send(job)
+            .expect("the threads end after the last job")
+    })
 }
 
 struct BlockReader {
     path: PathBuf,
     format: Format,
-    items: SyncSender<Item>,
-    jobs: SyncSender<Job>,
-    /// Memory of blocks that were parsed.
-    used: Receiver<Vec<u8>>,
+    /// Until the hash of the file was asked for.
+    blocks: Option<Blocks<Body>>,
 }
 
 impl BlockReader {
-    fn run(self, mut blocks: Blocks<Body>) {
-        loop {
-            let block = match blocks.next(self.used.try_recv().unwrap_or_default()) {
-                Ok(Some(block)) => block,
-                Ok(None) => break,
-                Err(cause) => {
-                    let error = failed(&self.path, self.format, cause);
-                    let _ = self.items.send(Item::Ended(Err(error)));
-                    return;
-                }
-            };
-            let (parsed_in, parsed) = channel();
-            let is_wanted = self.items.send(Item::Parsing(parsed)).is_ok();
-            if !is_wanted || self.jobs.send((block, parsed_in)).is_err() {
-                return;
-            }
+    /// The next block, in memory of a former one, or the hash of the file at its end.
+    fn next(&mut self, used: Vec<u8>) -> Part<Block> {
+        let blocks = self.blocks.as_mut().expect("a log ends once");
+        let next = blocks.next(used);
+        if let Some(block) = next.map_err(|cause| failed(&self.path, self.format, cause))? {
+            return Ok(Ok(block));
         }
+        let blocks = self.blocks.take().expect("it was there just now");
         let digest = blocks.into_inner().into_inner().1.into_inner().sha256();
-        let digest = digest.map_err(|cause| self.format.error(&self.path, cause));
-        // Nobody waits any more if a row before was refused.
-        let _ = self.items.send(Item::Ended(digest));
+        let digest = digest.map_err(|cause| self.format.error(&self.path, cause))?;
+        Ok(Err(digest))
     }
 }

@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::mpsc::Receiver;
 
 use super::binary::BinaryRows;
 use super::channel_columns::ChannelColumns;
@@ -14,6 +13,7 @@ use super::join::Joined;
 use super::layout::{Finder, Layout};
 use super::mapping::Mapping;
 use super::order::{Parsed, TimeOrder};
+use super::parallel::{Ahead, cores};
 use super::parquet::ParquetRows;
 use super::pipeline::Pipeline;
 use super::skipped::SkippedRows;
@@ -21,11 +21,27 @@ use super::source::{Format, Source};
 use super::temp_columns::joined_temps;
 use super::{LogError, ReadOptions, Reading};
 
-/// Text parsed at a time: few enough for the cache of a core, enough to make handing over cheap.
-const BLOCK_BYTES: usize = 1 << 18;
+/// How much is read at a time, and by how many.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Parts {
+    /// Bytes of text.
+    pub(super) block_bytes: usize,
+    /// Rows of a table.
+    pub(super) table_rows: usize,
+    pub(super) cores: usize,
+}
 
-/// Rows of a table read at a time.
-const TABLE_ROWS: usize = 1 << 13;
+impl Parts {
+    /// A block of text is small enough for the cache of a core, and large enough to make handing over
+    /// cheap.
+    fn usual() -> Self {
+        Self {
+            block_bytes: 1 << 18,
+            table_rows: 1 << 13,
+            cores: cores(),
+        }
+    }
+}
 
 /// A log that is read in memory of a fixed size, however long it is.
 ///
@@ -43,7 +59,7 @@ pub struct LogStream {
 /// Where rows come from.
 enum Rows {
     Text(Pipeline),
-    Parquet(Receiver<Result<Result<Parsed, String>, LogError>>),
+    Parquet(Ahead<Parsed>),
     Binary(Box<BinaryRows>),
     Frame(Box<FrameRows>),
 }
@@ -56,7 +72,7 @@ impl LogStream {
     /// An unreadable or empty file, a header that does not name time, temperature and axes with
     /// their units.
     pub fn open(path: &Path, options: &ReadOptions) -> Result<Self, LogError> {
-        Self::open_in_parts(path, options, BLOCK_BYTES, TABLE_ROWS)
+        Self::open_in_parts(path, options, Parts::usual())
     }
 
     /// Opens columns in memory as a log.
@@ -75,7 +91,7 @@ impl LogStream {
             without_axes: false,
         };
         let skip = options.skip_bad_rows;
-        let (rows, layout) = FrameRows::open(frame, &finder, skip, TABLE_ROWS)?;
+        let (rows, layout) = FrameRows::open(frame, &finder, skip, Parts::usual().table_rows)?;
         Ok(Self {
             rows: Rows::Frame(Box::new(rows)),
             order: TimeOrder::new(&layout, skip),
@@ -95,15 +111,14 @@ impl LogStream {
             joined: None,
             without_axes: true,
         };
-        Self::start(&finder, options, BLOCK_BYTES, TABLE_ROWS)
+        Self::start(&finder, options, Parts::usual())
     }
 
     /// Opens a log to be read in parts of another size.
     pub(super) fn open_in_parts(
         path: &Path,
         options: &ReadOptions,
-        block_bytes: usize,
-        table_rows: usize,
+        parts: Parts,
     ) -> Result<Self, LogError> {
         // A joined log that was kept with a set lies next to the log, where it is of this log.
         let given = options.mapping.join.as_ref().map(PathBuf::from);
@@ -125,29 +140,24 @@ impl LogStream {
             joined,
             without_axes: false,
         };
-        Self::start(&finder, options, block_bytes, table_rows)
+        Self::start(&finder, options, parts)
     }
 
-    fn start(
-        finder: &Finder,
-        options: &ReadOptions,
-        block_bytes: usize,
-        table_rows: usize,
-    ) -> Result<Self, LogError> {
+    fn start(finder: &Finder, options: &ReadOptions, parts: Parts) -> Result<Self, LogError> {
         let source = Source::open(finder.path).map_err(LogError::io(finder.path))?;
         let (bytes, bytes_read) = (source.bytes, Arc::clone(&source.bytes_read));
         let skip = options.skip_bad_rows;
         let (rows, layout) = match source.format {
             Format::Parquet => {
-                let (rows, layout) = ParquetRows::open(source, finder, skip, table_rows)?;
-                (Rows::Parquet(rows.start()), layout)
+                let (rows, layout) = ParquetRows::open(source, finder, skip, parts)?;
+                (Rows::Parquet(rows.start(parts.cores)), layout)
             }
             Format::Ulog | Format::DataFlash => {
-                let (rows, layout) = BinaryRows::open(source, finder, skip, table_rows)?;
+                let (rows, layout) = BinaryRows::open(source, finder, skip, parts.table_rows)?;
                 (Rows::Binary(Box::new(rows)), layout)
             }
             Format::Text | Format::Gzip | Format::Zstd => {
-                let (rows, layout) = Pipeline::start(source, finder, skip, block_bytes)?;
+                let (rows, layout) = Pipeline::start(source, finder, skip, parts)?;
                 (Rows::Text(rows), layout)
             }
         };
@@ -169,7 +179,7 @@ impl LogStream {
         while self.sha256.is_none() {
             let next = match &mut self.rows {
                 Rows::Text(rows) => rows.next(),
-                Rows::Parquet(rows) => rows.recv().expect("the thread ends after the last part"),
+                Rows::Parquet(rows) => rows.next(),
                 Rows::Binary(rows) => Ok(rows.next()),
                 Rows::Frame(rows) => Ok(rows.next()),
             };

@@ -14,6 +14,7 @@ use parquet::schema::parser::parse_message_type;
 use proptest::prelude::*;
 
 use super::clock::TimeNotes;
+use super::stream::Parts;
 use super::{Chunk, DoubtKind, LogError, LogStream, ReadOptions, read_log};
 
 /// Reads a log in parts of `size` bytes, or rows of a table.
@@ -22,14 +23,39 @@ fn read_in_parts(path: &Path, size: usize, skip_bad_rows: bool) -> Result<Chunk,
         skip_bad_rows,
         ..ReadOptions::default()
     };
-    let mut stream = LogStream::open_in_parts(path, &options, size, size)?;
-    let mut whole = stream.empty_chunk();
-    while let Some(chunk) = stream.next_chunk()? {
-        whole.append(&chunk);
+    let read = |cores| {
+        let mut stream = LogStream::open_in_parts(path, &options, parts_of(size, cores))?;
+        let mut whole = stream.empty_chunk();
+        while let Some(chunk) = stream.next_chunk()? {
+            whole.append(&chunk);
+        }
+        assert_eq!(stream.sha256().unwrap().len(), 64);
+        assert_eq!(stream.bytes(), Some(stream.bytes_read()));
+        Ok(whole)
+    };
+    // With threads and without, it is the same log, or the same refusal.
+    let [threaded, in_turn] = [3, 1].map(read);
+    match (threaded, in_turn) {
+        (Ok(threaded), Ok(in_turn)) => {
+            assert!(bits(&threaded) == bits(&in_turn));
+            Ok(threaded)
+        }
+        (threaded, in_turn) => {
+            let text =
+                |outcome: &Result<_, LogError>| outcome.as_ref().map_err(ToString::to_string).err();
+            assert_eq!(text(&threaded), text(&in_turn));
+            threaded
+        }
     }
-    assert_eq!(stream.sha256().unwrap().len(), 64);
-    assert_eq!(stream.bytes(), Some(stream.bytes_read()));
-    Ok(whole)
+}
+
+/// Parts of that many bytes or rows.
+pub(crate) fn parts_of(size: usize, cores: usize) -> Parts {
+    Parts {
+        block_bytes: size,
+        table_rows: size,
+        cores,
+    }
 }
 
 fn bits(chunk: &Chunk) -> Vec<u64> {
@@ -483,7 +509,7 @@ fn read_stamps(stamps: &[f64], size: usize, skip: bool) -> Result<(Chunk, TimeNo
         skip_bad_rows: skip,
         ..ReadOptions::default()
     };
-    let mut stream = LogStream::open_in_parts(&path, &options, size, size)?;
+    let mut stream = LogStream::open_in_parts(&path, &options, parts_of(size, 2))?;
     let mut whole = stream.empty_chunk();
     while let Some(chunk) = stream.next_chunk()? {
         whole.append(&chunk);
