@@ -5,7 +5,7 @@ use std::path::Path;
 
 use anyhow::{Context, Error, Result, ensure};
 use tempco_image::{AlignedBytes, Channel, Image, ImageError};
-use tempco_set::{check_folder, load_set, read_set, table_bin};
+use tempco_set::{check_folder, read_set, table_bin};
 
 use crate::Exit;
 use crate::output::{print_wrapped, say};
@@ -65,30 +65,6 @@ impl Placed {
         let image = Image::read(self.bytes())?;
         image.validate().map(|()| image)
     }
-}
-
-/// The image of a set: read from a file, or made from `coefficients.json`. A scale factor is given
-/// where the set does not state its own \[arcsec/pulse\].
-pub(crate) fn of_set(path: &Path, scale_factor_arcsec: Option<f64>) -> Result<Placed> {
-    if is_image(path) {
-        ensure!(
-            scale_factor_arcsec.is_none(),
-            "--scale-factor: {}: expected coefficients.json; an image holds its own",
-            path.display()
-        );
-        check_folder(path)?;
-        return Placed::read(path);
-    }
-    let mut set = load_set(path)?;
-    if let Some(given) = scale_factor_arcsec {
-        let of_set = *set.settings.scale_factor_arcsec.get_or_insert(given);
-        ensure!(
-            given == of_set,
-            "--scale-factor {given}: the set was fitted with {of_set} arcsec per pulse"
-        );
-    }
-    let image = table_bin(&set).map_err(Error::msg)?;
-    Ok(Placed::of(&image))
 }
 
 /// Whether the files in the folder of a set or image are of one set. Names those that are not.

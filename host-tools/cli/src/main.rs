@@ -1,33 +1,34 @@
 //! The `tempco` command: fits, applies and judges bias compensation of gyro units.
 //!
 //! Exit codes: 0 done; 1 done, but judged not acceptable; 2 bad usage or bad input.
+//!
+//! For WASI, which is how a browser runs it, it has no units, no signals and no terminal.
 
 mod answer;
 mod apply;
 mod batch;
 mod evaluate;
-mod faults;
 mod fit;
-mod flash_set;
 mod image;
 mod inspect;
 mod judgement;
 mod method_args;
-mod monitor;
 mod output;
 mod parameters;
 mod plan_args;
-mod port_args;
+#[cfg_attr(target_os = "wasi", path = "no_progress.rs")]
 mod progress;
-mod replay;
 mod report;
 mod set_tables;
 mod shared_args;
+#[cfg(not(target_os = "wasi"))]
 #[cfg_attr(windows, path = "ctrl_c.rs")]
 mod signals;
 mod simulate;
 mod status;
 mod summarise;
+#[cfg(not(target_os = "wasi"))]
+mod unit;
 
 use std::process::ExitCode;
 
@@ -58,10 +59,9 @@ enum Command {
     Simulate(simulate::Args),
     Export(parameters::ExportArgs),
     Import(parameters::ImportArgs),
-    Replay(replay::Args),
-    FlashSet(flash_set::Args),
-    Monitor(monitor::Args),
-    Faults(faults::Args),
+    #[cfg(not(target_os = "wasi"))]
+    #[command(flatten)]
+    Unit(unit::Command),
 }
 
 /// Whether the result is acceptable. It becomes the exit code.
@@ -84,6 +84,7 @@ impl Exit {
 fn main() -> ExitCode {
     // The shells of Windows leave patterns such as `*.csv` to the command.
     let command = Cli::parse_from(wild::args_os()).command;
+    #[cfg(not(target_os = "wasi"))]
     if let Err(error) = signals::watch() {
         // A file that is not finished then stays if a signal ends the command.
         eprintln!("signals: {error}");
@@ -97,10 +98,8 @@ fn main() -> ExitCode {
         Command::Simulate(args) => simulate::run(&args),
         Command::Export(args) => parameters::export(&args),
         Command::Import(args) => parameters::import(&args),
-        Command::Replay(args) => replay::run(&args),
-        Command::FlashSet(args) => flash_set::run(&args),
-        Command::Monitor(args) => monitor::run(&args),
-        Command::Faults(args) => faults::run(&args),
+        #[cfg(not(target_os = "wasi"))]
+        Command::Unit(command) => command.run(),
     };
     match result {
         Ok(Exit::Acceptable) => ExitCode::SUCCESS,

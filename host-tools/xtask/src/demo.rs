@@ -10,7 +10,7 @@ use serde_json::Value;
 use tempco_qemu::{Workspace, ensure_qemu, ensure_target};
 
 use crate::figure;
-use crate::run::{build_tempco, run as step, run_and_read};
+use crate::run::{WITH_TASKS, build_tempco, run as step, run_and_read};
 
 /// The paper's segments \[degC\].
 const SEGMENTS: &str = "-15:15,5:35,25:60,50:80";
@@ -24,7 +24,7 @@ fn run_in(workspace: &Workspace, folder: &Path) -> Result<()> {
     let start = Instant::now();
     ensure_target(workspace)?;
     ensure_qemu(workspace)?;
-    let program = build_tempco(workspace, &[])?;
+    let program = build_tempco(workspace, WITH_TASKS)?;
     let tempco = |args: &[&str]| {
         let mut command = Command::new(&program);
         command.current_dir(workspace.root()).args(args);

@@ -64,6 +64,9 @@ pub(crate) fn run_and_read(workspace: &Workspace, command: &mut Command) -> Resu
     Ok((output, child.wait()?.success()))
 }
 
+/// Builds with the tasks: their crates, which are there, then have the features that are wanted.
+pub(crate) const WITH_TASKS: &[&str] = &["--package", "xtask"];
+
 /// Builds the `tempco` command and returns its path.
 pub(crate) fn build_tempco(workspace: &Workspace, options: &[&str]) -> Result<PathBuf> {
     let mut build = cargo(workspace, &["build", "--package", "tempco-cli", "--locked"]);

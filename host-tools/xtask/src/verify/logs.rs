@@ -9,7 +9,7 @@ use tempco_qemu::Workspace;
 
 use super::tools::Missing;
 use super::{Measured, output_folder};
-use crate::run::{build_tempco, cargo, run as step, run_and_read};
+use crate::run::{WITH_TASKS, build_tempco, cargo, run as step, run_and_read};
 
 /// The readers to compare with.
 const PACKAGES: [&str; 3] = ["pyulog==1.3.0", "pymavlink==2.4.50", "numpy"];
@@ -22,7 +22,7 @@ pub(super) fn as_others_read_them(workspace: &Workspace) -> Result<Measured> {
     fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
     let python = python(workspace, &folder).map_err(|error| Missing::new(format!("{error:#}")))?;
     let sample = sample(workspace, &folder).map_err(|error| Missing::new(format!("{error:#}")))?;
-    let tempco = build_tempco(workspace, &[])?;
+    let tempco = build_tempco(workspace, WITH_TASKS)?;
     let script = folder.join("logs.py");
     fs::write(&script, SCRIPT)?;
     let mut compare = Command::new(python);

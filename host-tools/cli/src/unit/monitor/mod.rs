@@ -12,8 +12,8 @@ use tempco_link::Telemetry;
 
 use crate::Exit;
 use crate::output::{print_json, say};
-use crate::port_args::PortArgs;
 use crate::status::status_names;
+use crate::unit::port_args::PortArgs;
 
 /// Time beyond the period without a message, after which the unit is asked again: it may have been
 /// reset.

@@ -1,16 +1,17 @@
 //! `tempco flash-set`: writes a coefficient set into a unit.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Error, Result, ensure};
 use tempco_hil::flash_set;
+use tempco_set::{check_folder, load_set, table_bin};
 
 use crate::Exit;
-use crate::image;
+use crate::image::{Placed, is_image};
 use crate::output::print;
-use crate::port_args::{PortArgs, bank_name};
 use crate::progress::Progress;
 use crate::shared_args::scale_factor;
+use crate::unit::port_args::{PortArgs, bank_name};
 
 /// Write a coefficient set into a unit over its serial port
 ///
@@ -32,7 +33,7 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(args: &Args) -> Result<Exit> {
-    let image = image::of_set(&args.set, args.scale_factor)?;
+    let image = image_of(&args.set, args.scale_factor)?;
     let mut unit = args.port.connect()?;
     let progress = Progress::over_upload(image.bytes().len() as u64);
     let written = flash_set(&mut unit, image.bytes(), |bytes| progress.at(bytes as u64));
@@ -46,4 +47,28 @@ pub(crate) fn run(args: &Args) -> Result<Exit> {
         now.bank.map(bank_name).unwrap_or_default()
     ))?;
     Ok(Exit::Acceptable)
+}
+
+/// The image of a set: read from a file, or made from `coefficients.json`. A scale factor is given
+/// where the set does not state its own \[arcsec/pulse\].
+fn image_of(path: &Path, scale_factor_arcsec: Option<f64>) -> Result<Placed> {
+    if is_image(path) {
+        ensure!(
+            scale_factor_arcsec.is_none(),
+            "--scale-factor: {}: expected coefficients.json; an image holds its own",
+            path.display()
+        );
+        check_folder(path)?;
+        return Placed::read(path);
+    }
+    let mut set = load_set(path)?;
+    if let Some(given) = scale_factor_arcsec {
+        let of_set = *set.settings.scale_factor_arcsec.get_or_insert(given);
+        ensure!(
+            given == of_set,
+            "--scale-factor {given}: the set was fitted with {of_set} arcsec per pulse"
+        );
+    }
+    let image = table_bin(&set).map_err(Error::msg)?;
+    Ok(Placed::of(&image))
 }

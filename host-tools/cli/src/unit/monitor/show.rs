@@ -8,8 +8,8 @@ use tempco_hil::Identity;
 use tempco_link::{ChannelTelemetry, Telemetry};
 
 use crate::output::{figure, print, table};
-use crate::port_args::bank_name;
 use crate::status::status_text;
+use crate::unit::port_args::bank_name;
 
 /// How messages are shown.
 pub(super) struct View<'a> {

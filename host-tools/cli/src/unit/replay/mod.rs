@@ -22,8 +22,8 @@ use self::emulator::EmulatorArgs;
 use crate::Exit;
 use crate::image::Placed;
 use crate::output::{print, say};
-use crate::port_args::BAUD;
 use crate::shared_args::SetAndLog;
+use crate::unit::port_args::BAUD;
 
 /// Run a log through the firmware and compare it with the host
 ///

@@ -10,8 +10,8 @@ use tempco_set::{ShapeUse, use_shape};
 
 use super::{Differences, Replay};
 use crate::output::print;
-use crate::port_args::bank_name;
 use crate::progress::Progress;
+use crate::unit::port_args::bank_name;
 
 /// The interval of a log may differ by this share from the unit's: times in logs are rounded.
 const INTERVAL_TOLERANCE: f64 = 0.1;

@@ -5,7 +5,7 @@ use tempco_link::{Fault, FaultEntry};
 
 use crate::Exit;
 use crate::output::{print, print_lines, table};
-use crate::port_args::PortArgs;
+use crate::unit::port_args::PortArgs;
 
 /// Show the fault log of a unit
 ///
