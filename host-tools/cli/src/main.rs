@@ -7,6 +7,7 @@
 mod answer;
 mod apply;
 mod batch;
+mod columns;
 mod evaluate;
 mod fit;
 mod image;
@@ -53,6 +54,7 @@ struct Cli {
 enum Command {
     Fit(fit::Args),
     Summarise(summarise::Args),
+    Columns(columns::Args),
     Apply(apply::Args),
     Evaluate(evaluate::Args),
     Inspect(inspect::Args),
@@ -92,6 +94,7 @@ fn main() -> ExitCode {
     let result = match command {
         Command::Fit(args) => fit::run(&args),
         Command::Summarise(args) => summarise::run(&args),
+        Command::Columns(args) => columns::run(&args),
         Command::Apply(args) => apply::run(&args),
         Command::Evaluate(args) => evaluate::run(&args),
         Command::Inspect(args) => inspect::run(&args),
@@ -129,7 +132,7 @@ mod tests {
             .chain(subcommands)
             .cloned()
             .collect();
-        assert_eq!(commands.len(), 13);
+        assert_eq!(commands.len(), 14);
         for mut command in commands {
             let name = command.get_name().to_owned();
             for help in [command.render_help(), command.render_long_help()] {

@@ -30,6 +30,7 @@ mod bursts;
 mod channel_columns;
 mod chunk;
 mod clock;
+mod column_use;
 mod columns;
 #[cfg(test)]
 mod columns_tests;
@@ -91,6 +92,7 @@ mod zstandard;
 pub use axis_columns::AxisColumn;
 pub use channel_columns::ChannelColumns;
 pub use chunk::Chunk;
+pub use column_use::ColumnUse;
 pub use doubt::{Doubt, DoubtKind};
 pub use error::LogError;
 pub use excerpt::list_names;

@@ -7,6 +7,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use super::binary::BinaryRows;
 use super::channel_columns::ChannelColumns;
 use super::chunk::Chunk;
+use super::column_use::{ColumnUse, column_uses};
 use super::doubt::Doubt;
 use super::frame::{self, Frame, FrameRows};
 use super::join::Joined;
@@ -238,6 +239,11 @@ impl LogStream {
     /// The columns of temperatures and axes, in the order of the chunks.
     pub fn channels(&self) -> &[ChannelColumns] {
         &self.layout.columns.channels
+    }
+
+    /// What each column is used for, in the order of the header.
+    pub fn column_uses(&self) -> Vec<ColumnUse> {
+        column_uses(&self.layout)
     }
 
     /// Columns that were neither mapped nor recognised.

@@ -24,6 +24,8 @@ enum What {
     Command,
     /// The wheel for Python on Linux
     Wheel,
+    /// The page that runs the command in a browser
+    Page,
 }
 
 pub(crate) fn run(args: &Args) -> Result<()> {
@@ -44,6 +46,9 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     }
     if is_wanted(What::Wheel) {
         say(python::wheel(&workspace, &folder)?, &workspace);
+    }
+    if is_wanted(What::Page) {
+        say(tempco_web::page(&workspace, &folder)?, &workspace);
     }
     Ok(())
 }

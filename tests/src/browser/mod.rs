@@ -76,6 +76,27 @@ impl Browser {
     /// # Panics
     /// If Chromium fails.
     pub fn findings(&mut self, page: &Path, screen: Screen, figures: &[String]) -> Findings {
+        self.open(page, screen);
+        let found = self.evaluate(&format!("({MEASURE})({})", json!(figures)));
+        let found = found.as_array().expect("a list of findings").clone();
+        let found = found.iter().filter_map(Value::as_str).map(str::to_owned);
+        found.chain(self.complaints(page)).collect()
+    }
+
+    /// Shows a page.
+    ///
+    /// # Panics
+    /// If Chromium fails.
+    pub fn open(&mut self, page: &Path, screen: Screen) {
+        self.look_on(screen);
+        self.session.show(&url(page));
+    }
+
+    /// Shows the same page on another screen.
+    ///
+    /// # Panics
+    /// If Chromium fails.
+    pub fn look_on(&mut self, screen: Screen) {
         let scheme = if screen.dark { "dark" } else { "light" };
         self.session.call(
             "Emulation.setDeviceMetricsOverride",
@@ -85,12 +106,47 @@ impl Browser {
             "Emulation.setEmulatedMedia",
             json!({"features": [{"name": "prefers-color-scheme", "value": scheme}]}),
         );
-        let url = format!("file://{}", page.display());
-        self.session.show(&url);
-        let found = self.evaluate(&format!("({MEASURE})({})", json!(figures)));
-        let found = found.as_array().expect("a list of findings").clone();
-        let found = found.iter().filter_map(Value::as_str).map(str::to_owned);
-        found.chain(self.session.complaints(&url)).collect()
+    }
+
+    /// What the page complained of since it was opened, and what it asked the network for.
+    pub fn complaints(&self, page: &Path) -> Findings {
+        self.session.complaints(&url(page))
+    }
+
+    /// Chooses files in the field for files that an expression gives.
+    ///
+    /// # Panics
+    /// If there is no such field, or Chromium fails.
+    pub fn choose(&mut self, field: &str, files: &[PathBuf]) {
+        let answer = self
+            .session
+            .call("Runtime.evaluate", json!({"expression": field}));
+        let parameters = json!({"files": files, "objectId": answer["result"]["objectId"]});
+        self.session.call("DOM.setFileInputFiles", parameters);
+    }
+
+    /// Waits until an expression holds.
+    ///
+    /// # Panics
+    /// If it does not within `limit`, or Chromium fails.
+    pub fn wait_for(&mut self, expression: &str, limit: Duration) {
+        let begun = Instant::now();
+        while self.evaluate(expression) != true {
+            assert!(
+                begun.elapsed() < limit,
+                "after {limit:?} not yet: {expression}"
+            );
+            sleep(Duration::from_millis(50));
+        }
+    }
+
+    /// Lets the page write what is downloaded into a folder.
+    ///
+    /// # Panics
+    /// If Chromium fails.
+    pub fn download_to(&mut self, folder: &Path) {
+        let parameters = json!({"behavior": "allow", "downloadPath": folder});
+        self.session.call("Page.setDownloadBehavior", parameters);
     }
 
     /// Evaluates an expression in the page.
@@ -98,7 +154,8 @@ impl Browser {
     /// # Panics
     /// If Chromium fails.
     pub fn evaluate(&mut self, expression: &str) -> Value {
-        let parameters = json!({"expression": expression, "returnByValue": true});
+        let parameters =
+            json!({"expression": expression, "returnByValue": true, "userGesture": true});
         let mut answer = self.session.call("Runtime.evaluate", parameters);
         assert!(answer.get("exceptionDetails").is_none(), "{answer}");
         answer["result"]["value"].take()
@@ -149,6 +206,10 @@ fn address(profile: &Path) -> String {
         assert!(begun.elapsed() < START, "Chromium does not start");
         sleep(Duration::from_millis(20));
     }
+}
+
+fn url(page: &Path) -> String {
+    format!("file://{}", page.display())
 }
 
 fn write_base64(to: &Path, data: &Value) {
