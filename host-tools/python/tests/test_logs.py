@@ -18,6 +18,11 @@ def structured(columns):
     return array
 
 
+def unaligned(columns):
+    bytes_of = {name: b"-" + of.astype(np.float64).tobytes() for name, of in columns.items()}
+    return {name: np.frombuffer(of, np.uint8)[1:].view(np.float64) for name, of in bytes_of.items()}
+
+
 FRAMES = {
     "dict": dict,
     "structured": structured,
@@ -27,6 +32,12 @@ FRAMES = {
     "nullable": lambda columns: pd.DataFrame(columns).convert_dtypes(),
     "strided": lambda columns: {name: np.repeat(of, 2)[::2] for name, of in columns.items()},
     "reversed twice": lambda columns: {name: of[::-1].copy()[::-1] for name, of in columns.items()},
+    "columns of a matrix": lambda columns: dict(zip(columns, np.stack([*columns.values()], 1).T)),
+    "unaligned": unaligned,
+    "lists": lambda columns: {name: of.tolist() for name, of in columns.items()},
+    "long doubles": lambda columns: {name: of.astype(np.longdouble) for name, of in columns.items()},
+    "arrow in pandas": lambda columns: pa.table(columns).to_pandas(types_mapper=pd.ArrowDtype),
+    "chunked": lambda columns: pa.concat_tables([pa.table(columns)[:9], pa.table(columns)[9:]]),
     "integers": lambda columns: {
         name: of.astype(np.int32) if "pulses" in name else of for name, of in columns.items()
     },
@@ -49,6 +60,27 @@ def test_arrays_that_cannot_be_written_are_read(columns):
     for values in columns.values():
         values.flags.writeable = False
     assert len(tempco.Log(columns)) == len(columns["time_s"])
+
+
+def test_single_precision_is_taken_as_it_is(columns):
+    single = {name: of.astype(np.float32) for name, of in columns.items()}
+    double = {name: of.astype(np.float64) for name, of in single.items()}
+    assert tempco.Log(single).sha256 == tempco.Log(double).sha256
+
+
+def test_columns_can_have_numbers_for_names(columns):
+    frame = pd.DataFrame(dict(enumerate(columns.values())))
+    found = tempco.Log(frame, time="0:s", temp="1", axes={"x": ("2", "pulses")})
+    expected = tempco.Log(columns).columns()["x_pulses_per_s"]
+    np.testing.assert_array_equal(found.columns()["x_pulses_per_s"], expected)
+
+
+@pytest.mark.parametrize("zone", [None, "UTC", "Asia/Tokyo"])
+def test_times_may_have_a_zone(zone, columns):
+    start = pd.Timestamp("2026-11-29T09:00:00", tz=zone)
+    frame = pd.DataFrame(columns).assign(time_s=start + pd.to_timedelta(columns["time_s"], unit="s"))
+    expected = tempco.Log(columns).columns()["time_s"]
+    np.testing.assert_allclose(tempco.Log(frame).columns()["time_s"], expected - expected[0])
 
 
 def test_columns_can_have_any_name_and_unit(columns):
@@ -99,6 +131,22 @@ REFUSED = {
     "lengths": (lambda c: bad(c, temp_c=c["temp_c"][:-1]), "column `temp_c` has"),
     "shape": (lambda c: bad(c, temp_c=np.zeros((2, 2))), "has the shape (2, 2)"),
     "scalar": (lambda c: bad(c, temp_c=1.0), "has the shape ()"),
+    "matrix": (lambda c: bad(c, temp_c=c["temp_c"].reshape(-1, 1)), "expected (rows,)"),
+    "no rows in common": (lambda c: bad(c, temp_c=[[1], [1, 2]]), "column `temp_c`: "),
+    "no column": (lambda c: bad(c, temp_c=None), "has the shape ()"),
+    "same name twice": (
+        lambda c: pd.concat([pd.DataFrame(c), pd.DataFrame({"temp_c": c["temp_c"]})], axis=1),
+        "2 columns are called `temp_c`",
+    ),
+    "not in memory": (lambda c: pl.DataFrame(c).lazy(), "collect it first"),
+    "nothing in a frame": (lambda c: pd.DataFrame(), "no time column"),
+    "all NaN": (lambda c: bad(c, temp_c=np.full(len(c["temp_c"]), np.nan)), "column 2 `temp_c`"),
+    "masked": (lambda c: bad(c, x_pulses=np.ma.array(c["x_pulses"], mask=c["time_s"] == 8)), "`NaN`"),
+    "null": (lambda c: pl.DataFrame(c).with_columns(x_pulses=pl.lit(None, pl.Float64)), "row 1, "),
+    "no time": (
+        lambda c: bad(c, time_s=np.full(len(c["time_s"]), np.datetime64("NaT", "ns"))),
+        "row 1, column 1 `time_s`",
+    ),
     "empty": (lambda c: {name: of[:0] for name, of in c.items()}, "expected at least 2"),
     "one row": (lambda c: {name: of[:1] for name, of in c.items()}, "expected at least 2"),
     "text": (lambda c: bad(c, temp_c=["a"] * len(c["temp_c"])), "without numbers: `temp_c`"),

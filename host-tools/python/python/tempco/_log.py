@@ -73,16 +73,20 @@ class Log:
         scale_factor: float | None = None,
         skip_bad_rows: bool = False,
     ) -> None:
-        names = _names(data)
+        keys = _keys(data)
         temps = _temps(temp)
         axis = [f"{axis}={column}:{unit}" for axis, (column, unit) in (axes or {}).items()]
         if axes is not None and time is not None and temp is not None:
             # Only what is used: other columns may hold anything.
             texts = [time, *temps, *(text.split("=", 1)[1] for text in axis)]
-            names = [name for name in names if any(_has(text, name) for text in texts)]
-        columns, others = [], []
+            keys = [key for key in keys if any(_has(text, str(key)) for text in texts)]
+        names = [str(key) for key in keys]
         for column in names:
-            numbers = _numbers(column, data[column])
+            if names.count(column) > 1:
+                raise LogError(f"{names.count(column)} columns are called `{column}`: expected one")
+        columns, others = [], []
+        for column, key in zip(names, keys):
+            numbers = _numbers(column, data[key])
             if numbers is None:
                 others.append(column)
             else:
@@ -300,21 +304,21 @@ def _has(text: str, name: str) -> bool:
     return any(of == name or of.startswith((f"{name}:", f"{name}*", f"{name}+")) for of in (text, of_axis))
 
 
-def _names(data: Any) -> list[str]:
-    """Names of the columns of a frame."""
+def _keys(data: Any) -> list[Any]:
+    """What the columns of a frame are found by: their names, in some frames numbers."""
     if isinstance(data, Mapping):
-        names = list(data)
-    elif isinstance(data, np.ndarray) and data.dtype.names:
-        names = list(data.dtype.names)
-    elif hasattr(data, "column_names"):
-        names = list(data.column_names)
-    elif hasattr(data, "columns"):
-        names = list(data.columns)
-    else:
-        raise LogError(
-            f"{type(data).__name__}: expected a frame, a structured array, or a dict of arrays"
-        )
-    return [str(name) for name in names]
+        return list(data)
+    if isinstance(data, np.ndarray) and data.dtype.names:
+        return list(data.dtype.names)
+    if hasattr(data, "collect"):
+        raise LogError(f"{type(data).__name__}: its rows are not in memory yet: collect it first")
+    if hasattr(data, "column_names"):
+        return list(data.column_names)
+    if hasattr(data, "columns"):
+        return list(data.columns)
+    raise LogError(
+        f"{type(data).__name__}: expected a frame, a structured array, or a dict of arrays"
+    )
 
 
 def _numbers(name: str, values: Any) -> NDArray[np.float64] | None:
@@ -323,13 +327,19 @@ def _numbers(name: str, values: Any) -> NDArray[np.float64] | None:
         # pandas: what is missing becomes NaN.
         if values.dtype.kind in "fiub":
             values = values.to_numpy(dtype=np.float64, na_value=np.nan)
+        elif values.dtype.kind == "M":
+            # Objects where it has a time zone: the times of UTC.
+            values = values.to_numpy(dtype="datetime64[ns]")
         else:
             values = values.to_numpy()
     elif hasattr(values, "to_numpy"):
         values = values.to_numpy()
     if isinstance(values, np.ma.MaskedArray):
         values = values.astype(np.float64).filled(np.nan)
-    array = np.asarray(values)
+    try:
+        array = np.asarray(values)
+    except ValueError as error:
+        raise LogError(f"column `{name}`: {error}") from None
     if array.ndim != 1:
         raise LogError(f"column `{name}` has the shape {array.shape}: expected (rows,)")
     if array.dtype.kind == "M":
@@ -337,7 +347,7 @@ def _numbers(name: str, values: Any) -> NDArray[np.float64] | None:
             return np.empty(0)
         array = array - array[0]
     if array.dtype.kind == "m":
-        return np.ascontiguousarray(array / np.timedelta64(1, "s"), dtype=np.float64)
+        array = array / np.timedelta64(1, "s")
     if array.dtype.kind not in "fiub":
         return None
-    return np.ascontiguousarray(array, dtype=np.float64)
+    return np.require(array, np.float64, ["C", "ALIGNED"])
