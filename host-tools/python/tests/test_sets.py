@@ -195,7 +195,9 @@ def test_a_set_becomes_parameters_and_comes_back(tmp_path):
     with pytest.raises(tempco.SetError):
         unit.export("betaflight")
     with pytest.raises(tempco.SetError):
-        unit.export("px4", instance=9)
+        unit.export("px4", instance=9, device_id=7)
+    with pytest.raises(tempco.SetError, match="device_id="):
+        unit.export("px4")
     with pytest.raises(tempco.SetError):
         tempco.import_parameters(tmp_path / "px4", "ardupilot")
 

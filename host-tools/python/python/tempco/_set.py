@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _core
-from ._core import Summary
+from ._core import SetError, Summary
 from ._log import Log, Path, _reading, summarise
 
 
@@ -217,11 +217,23 @@ class Set(_Judged):
         other = None if against is None else against._core
         return Evaluation(json.loads(self._core.evaluate_json(log._core, other, tau)))
 
-    def export(self, to: str, *, instance: int | None = None, device_id: int = 0) -> Exported:
+    def export(self, to: str, *, instance: int | None = None, device_id: int | None = None) -> Exported:
         """The set as parameters of an autopilot: ``px4`` or ``ardupilot``. They have one cubic in
         temperature for each axis; what that loses is stated. ``instance`` is the number of the gyro,
-        by default the first, ``device_id`` its id for PX4."""
-        text, losses = self._core.export(to, instance, device_id)
+        by default the first. PX4 needs its ``device_id``, which ``listener sensor_gyro`` shows: it
+        ignores the parameters of any other gyro.
+
+        Raises
+        ------
+        SetError
+            Axes that are no gyro's, a number or range that the autopilot cannot have, no device id.
+        """
+        if to == "px4" and device_id is None:
+            raise SetError(
+                "PX4 ignores parameters without the device id of their gyro: expected device_id=, which "
+                "`listener sensor_gyro` shows"
+            )
+        text, losses = self._core.export(to, instance, device_id or 0)
         return Exported(
             text,
             [Loss(*axis, span, *cubic, rest) for axis, span, cubic, rest in losses],
