@@ -1,41 +1,28 @@
 """Many units by an engine: what docs/fleets.md shows."""
 
-from pathlib import Path
+import json
 
-import polars as pl
+import fleet
 import pytest
 
 import tempco
 
-ROOT = Path(__file__).parents[3]
-UNITS = 8
+
+@pytest.fixture
+def dask(monkeypatch, tmp_path):
+    """The code for Dask, in a folder of its own."""
+    pytest.importorskip("dask")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.syspath_prepend(tmp_path)
+    return fleet.shown("Dask", tmp_path)
 
 
 @pytest.mark.parametrize("scheduler", ["threads", "processes"])
-def test_an_engine_makes_the_tables_of_a_single_process(scheduler, tmp_path, monkeypatch):
-    dask = pytest.importorskip("dask")
-    monkeypatch.chdir(tmp_path)
-    # What the page shows, as a module: processes import it.
-    page = (ROOT / "docs/fleets.md").read_text()
-    (tmp_path / "shown.py").write_text(page.split("```python\n")[1].split("```")[0])
-    monkeypatch.syspath_prepend(tmp_path)
-    monkeypatch.delitem(__import__("sys").modules, "shown", raising=False)
-    import shown
-
-    logs = {}
-    for number in range(UNITS):
-        names = []
-        for profile in ("calibration", "verification"):
-            log = tempco.simulate("paper", profile, seed=number + 1, rate_hz=0.2, draw=number + 1)
-            name = f"{number}-{profile}.csv"
-            pl.DataFrame(log.columns()).write_csv(name)
-            names.append(name)
-        logs[f"RLG-{number}"] = names
-    with open("3-verification.csv", "a") as damaged:
-        damaged.write("1e9,25,what,0,0\n")
-
-    with dask.config.set(scheduler=scheduler, num_workers=2):
-        verdicts = shown.calibrate(logs)
+def test_an_engine_makes_the_tables_of_a_single_process(scheduler, dask, tmp_path):
+    logs = fleet.two_logs_each(tmp_path, units=8)
+    fleet.damage(logs["RLG-3"][1])
+    with dask.dask.config.set(scheduler=scheduler, num_workers=2):
+        verdicts = dask.calibrate(logs)
     for serial, paths in logs.items():
         if serial == "RLG-3":
             assert "3-verification.csv:" in verdicts[serial] and "what" in verdicts[serial]
@@ -44,3 +31,20 @@ def test_an_engine_makes_the_tables_of_a_single_process(scheduler, tmp_path, mon
         alone = tempco.fit(paths[::-1], serial, model="composite")
         made = tempco.load(tmp_path / "sets" / serial / "coefficients.json")
         assert made.table_crc32 == alone.table_crc32 and verdicts[serial] == alone.verdict
+
+
+def test_a_log_has_one_table_by_command_module_and_engine(dask, command, tmp_path):
+    logs = fleet.kinds(tmp_path)
+    assert len(logs) == 20
+    dask.calibrate(logs)
+    tables = set()
+    for serial, [path] in logs.items():
+        options = ["--model", "composite", "--no-report", "--out", tmp_path / "command" / serial]
+        command("fit", path, "--serial", serial, *options)
+        table, by_engine = (
+            json.loads((tmp_path / by / serial / "coefficients.json").read_text())["table_crc32"]
+            for by in ("command", "sets")
+        )
+        assert table == by_engine == tempco.fit(path, serial, model="composite").table_crc32
+        tables.add(table)
+    assert len(tables) == 20

@@ -11,6 +11,8 @@ use crate::run::{build_tempco, cargo, run as step, run_and_read};
 
 /// The crate of the module, below the root of the workspace.
 const MODULE: &str = "host-tools/python";
+/// Its tests.
+pub(crate) const TESTS: &str = "host-tools/python/tests";
 
 /// A Python with the packages of a list, in a folder below `target`. It is made where it is not there
 /// yet, or was made of another list.
@@ -92,16 +94,12 @@ fn use_it(workspace: &Workspace, wheel: &Path) -> Result<()> {
 
 /// Runs the tests of the Python module; returns how many passed, or why they were skipped.
 pub(crate) fn test(workspace: &Workspace) -> Result<Result<u32, String>> {
-    let list = format!("{MODULE}/tests/requirements.txt");
+    let list = format!("{TESTS}/requirements.txt");
     let python = match environment(workspace, "python", &list) {
         Ok(python) => python,
         Err(missing) => return Ok(Err(format!("the tests of the Python module: {missing:#}"))),
     };
-    let command = build_tempco(workspace, &[])?;
-    let build = ["build", "--locked", "--package", "tempco-python"];
-    step(workspace, &mut cargo(workspace, &build))?;
-    let package = package(workspace, command.parent().context("a folder")?)?;
-    let module = workspace.root().join(MODULE);
+    let Module { command, package } = module(workspace)?;
     let mut pytest = Command::new(python);
     pytest
         .current_dir(workspace.root())
@@ -109,7 +107,7 @@ pub(crate) fn test(workspace: &Workspace) -> Result<Result<u32, String>> {
         // Nothing is written into the sources.
         .args(["-p", "no:cacheprovider", "--doctest-modules"])
         .arg(package.join("tempco"))
-        .arg(module.join("tests"))
+        .arg(workspace.root().join(TESTS))
         .env("PYTHONDONTWRITEBYTECODE", "1")
         .env("PYTHONPATH", &package)
         .env("TEMPCO_COMMAND", command);
@@ -120,6 +118,23 @@ pub(crate) fn test(workspace: &Workspace) -> Result<Result<u32, String>> {
         count.rsplit(' ').next()?.parse().ok()
     });
     Ok(Ok(counts.context("pytest did not say how many passed")?))
+}
+
+/// What is built to be used from Python.
+pub(crate) struct Module {
+    /// The command `tempco`, to compare with.
+    pub(crate) command: PathBuf,
+    /// The folder to import the package from.
+    pub(crate) package: PathBuf,
+}
+
+/// Builds the command and the module.
+pub(crate) fn module(workspace: &Workspace) -> Result<Module> {
+    let command = build_tempco(workspace, &[])?;
+    let build = ["build", "--locked", "--package", "tempco-python"];
+    step(workspace, &mut cargo(workspace, &build))?;
+    let package = package(workspace, command.parent().context("a folder")?)?;
+    Ok(Module { command, package })
 }
 
 /// Puts the package together, with the module that was built into `built`; returns the folder to import

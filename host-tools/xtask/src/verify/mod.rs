@@ -1,9 +1,10 @@
-//! How thorough the tests of the core are, what Miri says about them, the command on Windows, and
-//! logs of autopilots as others read them. Apart from these gates: how good the fit is.
+//! How thorough the tests of the core are, what Miri says about them, the command on Windows, logs of
+//! autopilots as others read them, and fleets on Spark. Apart from these gates: how good the fit is.
 //!
 //! Slow, and in need of tools that are not to be had everywhere: no part of the continuous checks.
 
 mod coverage;
+mod fleets;
 mod logs;
 mod miri;
 mod model;
@@ -55,6 +56,8 @@ enum Gate {
     Windows,
     /// Logs of PX4 and ArduPilot are read as by pyulog and pymavlink
     Logs,
+    /// Spark makes the tables of a single process, with damaged logs and a worker that dies
+    Fleets,
 }
 
 impl Gate {
@@ -66,6 +69,7 @@ impl Gate {
             Self::Miri => miri::both_endians(workspace),
             Self::Windows => windows::under_wine(workspace),
             Self::Logs => logs::as_others_read_them(workspace),
+            Self::Fleets => fleets::on_spark(workspace),
         }
     }
 
