@@ -3,7 +3,10 @@
 use std::fs;
 
 use serde_json::Value;
+use tempco_fit::{FitOptions, SegmentModel, fit};
+use tempco_log::{ReadOptions, read_log};
 use tempco_tests::Bench;
+use tempco_twin::UNITS;
 
 /// Two logs of one unit, of pulses.
 fn logs() -> Bench {
@@ -118,4 +121,38 @@ fn a_batch_takes_summaries() {
     let ran = bench.run("fit --batch units --out others --tau 50");
     assert_eq!(ran.code, 1);
     assert!(ran.err.contains("another --tau"), "{}", ran.err);
+}
+
+/// Profiles of a chamber whose logs can be fitted, calibration apart.
+const PROFILES: [&str; 9] = [
+    "cold_start",
+    "cycles",
+    "mid_ramp_start",
+    "minor_loops",
+    "one_rate",
+    "static",
+    "swing",
+    "verification",
+    "wandering",
+];
+
+#[test]
+fn the_command_makes_the_table_of_the_library() {
+    let bench = Bench::new();
+    let of_units = UNITS.iter().map(|unit| (*unit, "calibration"));
+    let kinds: Vec<_> = of_units
+        .chain(PROFILES.map(|profile| ("fog", profile)))
+        .collect();
+    assert_eq!(kinds.len(), 20);
+    for (unit, profile) in kinds {
+        bench.ok(&format!(
+            "simulate --unit {unit} --profile {profile} --rate 0.2 --out log.csv"
+        ));
+        // Some are rejected; the set is written.
+        bench.run("fit log.csv --serial S1 --model composite --no-report --out set");
+        let log = read_log(&bench.path("log.csv"), &ReadOptions::default()).unwrap();
+        let fitted = fit(&[log], &FitOptions::new("S1", SegmentModel::Composite)).unwrap();
+        let by_command = &set(&bench, "set")["table_crc32"];
+        assert_eq!(by_command, &fitted.set.table_crc32, "{unit}, {profile}");
+    }
 }
