@@ -21,11 +21,13 @@ def dask(monkeypatch, tmp_path):
 def test_an_engine_makes_the_tables_of_a_single_process(scheduler, dask, tmp_path):
     logs = fleet.two_logs_each(tmp_path, units=8)
     fleet.damage(logs["RLG-3"][1])
+    logs["RLG-5"] = [fleet.write(tmp_path / "narrow.csv", "paper", "rest", seed=6)]
     with dask.dask.config.set(scheduler=scheduler, num_workers=2):
         verdicts = dask.calibrate(logs)
+    assert "3-verification.csv:" in verdicts["RLG-3"] and "`what`" in verdicts["RLG-3"]
+    assert "expected 10 degC or more" in verdicts["RLG-5"]
     for serial, paths in logs.items():
-        if serial == "RLG-3":
-            assert "3-verification.csv:" in verdicts[serial] and "what" in verdicts[serial]
+        if serial in ("RLG-3", "RLG-5"):
             assert not (tmp_path / "sets" / serial).exists()
             continue
         alone = tempco.fit(paths[::-1], serial, model="composite")
