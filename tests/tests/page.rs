@@ -221,6 +221,7 @@ fn the_page_gives_what_the_command_gives() {
     columns_can_be_named_by_hand(&mut visit);
     a_verification_signs_the_set_off(&mut visit);
     a_fit_can_be_cancelled(&mut visit);
+    a_log_that_was_taken_away_is_said(&mut visit);
     it_reads_well_on_every_screen(&mut visit);
 }
 
@@ -335,6 +336,18 @@ fn a_fit_can_be_cancelled(visit: &mut Visit) {
     assert!(visit.text(".verdict").contains("accepted"));
 }
 
+fn a_log_that_was_taken_away_is_said(visit: &mut Visit) {
+    fs::copy(visit.bench.path("cal.csv"), visit.bench.path("gone.csv")).unwrap();
+    visit.begin(&["gone.csv"]);
+    visit
+        .browser
+        .wait_for("document.querySelector('#logs td') !== null", PATIENCE);
+    fs::remove_file(visit.bench.path("gone.csv")).unwrap();
+    visit.fit("S1", "composite");
+    let error = visit.text("#error");
+    assert!(error.starts_with("gone.csv: "), "{error}");
+}
+
 fn it_reads_well_on_every_screen(visit: &mut Visit) {
     let folder = visit.page.parent().unwrap();
     for (width, dark) in [(390, false), (1440, true), (1440, false)] {
@@ -353,6 +366,35 @@ fn it_reads_well_on_every_screen(visit: &mut Visit) {
              .filter((e) => !(e.labels?.length || e.ariaLabel || e.title || e.innerText)).length";
         assert_eq!(visit.browser.evaluate(nameless), 0);
     }
+}
+
+/// A program that stops at once at a trap: `(func (export "_start") unreachable)`, with a memory.
+const TRAP: &[u8] =
+    b"\0asm\x01\0\0\0\x01\x04\x01\x60\0\0\x03\x02\x01\0\x05\x03\x01\0\x01\x07\x13\x02\x06memory\
+    \x02\0\x06_start\0\0\x0a\x05\x01\x03\0\0\x0b";
+
+#[test]
+fn a_fault_of_the_command_is_said_and_the_page_goes_on() {
+    let bench = Bench::new();
+    bench.write("log.csv", "time_s,temp_c,x_dph\n0,20,1\n");
+    let page = bench.path("tempco.html");
+    fs::write(&page, tempco_web::assembled(TRAP).unwrap()).unwrap();
+    let mut browser = Browser::start();
+    let mut visit = Visit {
+        browser: &mut browser,
+        page: &page,
+        bench: &bench,
+    };
+    visit.begin(&["log.csv"]);
+    for _ in 0..2 {
+        visit.fit("S1", "auto");
+        let error = visit.text("#error");
+        assert!(
+            error.starts_with("a fault of tempco, please report it: unreachable"),
+            "{error}"
+        );
+    }
+    visit.is_quiet();
 }
 
 /// Figures of docs/browser.md: `cargo test --release -p tempco-tests --test page -- --ignored --nocapture`.

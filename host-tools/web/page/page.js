@@ -4,9 +4,6 @@
 // Longer logs are for the command, which uses all cores.
 const MOST_BYTES = 1e9;
 
-// Parameters of autopilots, and the files they are written to.
-const PARAMETERS = [["px4", "/set/px4.params"], ["ardupilot", "/set/ardupilot.param"]];
-
 const $ = (id) => document.getElementById(id);
 
 // An element with its properties and what it holds.
@@ -251,21 +248,26 @@ async function verify(set, files, log, number, options, task) {
     : { name: log.file.name, ...JSON.parse(answer.out.trim().split("\n").at(-1)) };
 }
 
-// Adds the parameters of autopilots to the files; returns why there are none of some.
+// Adds the parameters of autopilots to the files; returns what is to be said of each.
 async function parameters(set, files, task) {
   const path = `${set.folder}/coefficients.json`;
-  const missing = [];
-  for (const [autopilot, name] of PARAMETERS) {
-    const out = name.replace("/set/", `${set.folder}/`);
-    const args = ["export", `/${path}`, `--to=${autopilot}`, `--out=/${out}`];
+  const deviceId = $("device_id").value.trim();
+  const said = [];
+  for (const [autopilot, file, options] of [["px4", "px4.params", deviceId && [`--device-id=${deviceId}`]],
+    ["ardupilot", "ardupilot.param", []]]) {
+    const out = `${set.folder}/${file}`;
+    const args = ["export", `/${path}`, `--to=${autopilot}`, `--out=/${out}`, ...options];
     const made = await task({ [path]: files.get(path) }, [args], 0);
-    if (made.results[0].code === 0) {
+    const [{ code, err }] = made.results;
+    if (code === 0) {
       files.set(out, new Map(made.files).get(out));
-    } else {
-      missing.push(`No parameters for ${autopilot}: ${complaint(made.results[0]).replace(`/${path}: `, "")}`);
+    }
+    if (err !== "") {
+      const what = code === 0 ? `Parameters for ${autopilot}` : `No parameters for ${autopilot}`;
+      said.push(`${what}: ${complaint(made.results[0]).replace(`/${path}: `, "")}`);
     }
   }
-  return missing;
+  return said;
 }
 
 // The commands that do the same.
@@ -362,8 +364,8 @@ function downloads(set, files) {
   const link = (name, blob) => element("a", { href: URL.createObjectURL(blob), download: name }, name);
   const links = own.map(([name, bytes]) => element("li", {}, link(name, new Blob([bytes]))));
   const zip = element("li", {}, link(`${serial.replace(/[^\w.-]/g, "_")}.zip`, zipOf(own)));
-  const missing = set.parameters.map((why) => element("p", { className: "note" }, why));
-  return [element("h3", {}, "Files"), element("ul", { className: "downloads" }, zip, ...links), ...missing];
+  const said = set.parameters.map((text) => element("p", { className: "note" }, text));
+  return [element("h3", {}, "Files"), element("ul", { className: "downloads" }, zip, ...links), ...said];
 }
 
 // The reports, one at a time, in a frame that may run nothing.

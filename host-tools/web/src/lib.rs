@@ -57,8 +57,11 @@ pub fn page(workspace: &Workspace, folder: &Path) -> Result<PathBuf> {
     Ok(path)
 }
 
-/// The page with the command in it.
-fn assembled(command: &[u8]) -> Result<String> {
+/// The page with a command, a program for WASI, in it.
+///
+/// # Errors
+/// The command cannot be packed.
+pub fn assembled(command: &[u8]) -> Result<String> {
     let mut packed = GzEncoder::new(Vec::new(), Compression::best());
     packed.write_all(command)?;
     let command = BASE64.encode(&packed.finish()?);

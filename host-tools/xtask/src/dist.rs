@@ -28,6 +28,13 @@ enum What {
     Page,
 }
 
+/// Makes the page alone.
+pub(crate) fn web() -> Result<()> {
+    run(&Args {
+        only: Some(What::Page),
+    })
+}
+
 pub(crate) fn run(args: &Args) -> Result<()> {
     let workspace = Workspace::find()?;
     let folder = workspace.root().join("target/dist");

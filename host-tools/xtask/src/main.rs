@@ -38,8 +38,10 @@ enum Task {
     Golden(golden::Args),
     /// The paper's tables on a simulated unit, next to the printed ones
     Paper(paper::Args),
-    /// What is shipped, in target/dist: the zip for C, the command for Linux and Windows
+    /// What is shipped, in target/dist: the zip for C, the command, the wheel for Python, the page
     Dist(dist::Args),
+    /// The page that runs the command in a browser, target/dist/tempco.html
+    Web,
     /// Coverage, mutants, Miri, Windows and logs, as far as their tools can be had: slow, not part of `test`
     Verify(verify::Args),
     /// Executed instructions on the target, rows per second on the host
@@ -56,6 +58,7 @@ fn main() -> ExitCode {
         Task::Golden(args) => golden::run(&args),
         Task::Paper(args) => paper::run(&args),
         Task::Dist(args) => dist::run(&args),
+        Task::Web => dist::web(),
         Task::Verify(args) => verify::run(&args),
         Task::Bench(args) => bench::run(&args),
         Task::Prove(args) => prove::run(&args),
