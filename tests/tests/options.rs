@@ -32,7 +32,8 @@ const BY_ROW: [&str; 6] = [
 
 /// Commands, with the options of theirs that take numbers, and those that take ranges. What stands
 /// for a serial port is none.
-const COMMANDS: [(&str, &[&str], &[&str]); 13] = [
+const COMMANDS: [(&str, &[&str], &[&str]); 14] = [
+    ("columns log.csv", &["--scale-factor", "--instance"], &[]),
     ("summarise log.csv --out OUT", &BY_ROW, &["--exclude"]),
     (
         "fit log.csv --serial S1 --out OUT --model composite",

@@ -43,7 +43,7 @@ struct Visit<'a> {
 }
 
 impl Visit<'_> {
-    /// Opens the page anew and chooses logs.
+    /// Opens the page once more and chooses logs.
     fn begin(&mut self, logs: &[&str]) {
         self.browser.open(self.page, SCREEN);
         let files: Vec<PathBuf> = logs.iter().map(|log| self.bench.path(log)).collect();
@@ -220,9 +220,9 @@ fn the_page_gives_what_the_command_gives() {
     what_cannot_be_read_is_said_in_the_words_of_the_command(&mut visit);
     columns_can_be_named_by_hand(&mut visit);
     a_verification_signs_the_set_off(&mut visit);
+    it_reads_well_on_every_screen(&mut visit);
     a_fit_can_be_cancelled(&mut visit);
     a_log_that_was_taken_away_is_said(&mut visit);
-    it_reads_well_on_every_screen(&mut visit);
 }
 
 fn what_cannot_be_read_is_said_in_the_words_of_the_command(visit: &mut Visit) {

@@ -6,6 +6,9 @@ const MOST_BYTES = 1e9;
 
 const $ = (id) => document.getElementById(id);
 
+// Columns that are listed without being asked for.
+const MOST_OPEN_COLUMNS = 8;
+
 // An element with its properties and what it holds.
 function element(name, properties = {}, ...children) {
   const made = Object.assign(document.createElement(name), properties);
@@ -102,7 +105,9 @@ function found(log) {
       const use = { axis: `axis ${names}`, temperature: `temperature of ${names}` }[role] ?? role ?? "not used";
       return [name, use, unit ?? ""];
     });
-    box.append(element("div", { className: "scroll" }, table(["column", "taken for", "unit"], rows)));
+    const found = element("details", { open: rows.length <= MOST_OPEN_COLUMNS },
+      element("summary", {}, `${rows.length} columns`), scrolled(table(["column", "taken for", "unit"], rows)));
+    box.append(found);
   }
   if (log.note) {
     box.append(element("p", {}, `Read as: ${log.note}`));
