@@ -313,11 +313,21 @@ fn a_verification_signs_the_set_off(visit: &mut Visit) {
         "{notes:?}"
     );
     visit.set("scale_factor", "0.92");
+    visit.set("device_id", "7");
     visit.fit("V1", "auto");
-    let names = visit.texts(".downloads a");
-    assert!(
-        names.contains(&"px4.params".to_owned()) && names.contains(&"ardupilot.param".to_owned())
-    );
+    let folder = bench.path("page-angles");
+    visit.downloads(&folder);
+    bench.run("fit cal.csv --serial V1 --scale-factor 0.92 --out angles --no-report");
+    for (to, name) in [
+        ("px4 --device-id 7", "px4.params"),
+        ("ardupilot", "ardupilot.param"),
+    ] {
+        bench.ok(&format!(
+            "export angles/coefficients.json --to {to} --out {name}"
+        ));
+        let [ours, theirs] = [folder.join(name), bench.path(name)].map(|of| fs::read(of).unwrap());
+        assert!(ours == theirs, "{name}");
+    }
     visit.is_quiet();
 }
 
