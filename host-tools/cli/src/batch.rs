@@ -159,8 +159,9 @@ fn show_warnings(summary: &Summary) -> Result<()> {
         let serials: Vec<&str> = units.map(|unit| unit.serial.as_str()).collect();
         if !serials.is_empty() {
             let (code, count) = (code.name(), serials.len());
+            let units = if count == 1 { "unit" } else { "units" };
             print_wrapped(&format!(
-                "warning {code}: {count} units: {}",
+                "warning {code}: {count} {units}: {}",
                 serials.join(", ")
             ))?;
         }

@@ -2,8 +2,10 @@
 //!
 //! ```text
 //! tempco-cli --cargo, for WASI--> tempco.wasm --gzip, base 64--+
-//! page/: page.html, style.css, page.js, zip.js ----------------+-> tempco.html
+//! page/: page.html, style.css, scripts of the page ------------+-> tempco.html
 //! page/: files.js, wasi.js, worker.js -------------------------+
+//!
+//! scripts of the page: logs -> fit -> result, by job, elements, zip; page has what the user does
 //! ```
 //!
 //! The command itself runs there, unchanged, so that its tables, verdicts and messages are the same.
@@ -28,8 +30,13 @@ const PAGE: &str = include_str!("../page/page.html");
 const STYLE: &str = include_str!("../page/style.css");
 /// The scripts of the page, one text.
 const SCRIPT: &str = concat!(
+    include_str!("../page/elements.js"),
+    include_str!("../page/job.js"),
+    include_str!("../page/logs.js"),
     include_str!("../page/zip.js"),
-    include_str!("../page/page.js")
+    include_str!("../page/result.js"),
+    include_str!("../page/fit.js"),
+    include_str!("../page/page.js"),
 );
 /// The scripts of its workers.
 const WORKER: &str = concat!(
