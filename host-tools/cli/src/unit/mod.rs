@@ -13,7 +13,7 @@ use crate::Exit;
 
 #[derive(Subcommand)]
 pub(crate) enum Command {
-    Replay(replay::Args),
+    Replay(Box<replay::Args>),
     FlashSet(flash_set::Args),
     Monitor(monitor::Args),
     Faults(faults::Args),
