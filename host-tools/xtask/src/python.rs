@@ -7,7 +7,7 @@ use std::process::Command;
 use anyhow::{Context, Result, ensure};
 use tempco_qemu::{Workspace, ensure_program};
 
-use crate::run::{build_tempco, cargo, run as step, run_and_read};
+use crate::run::{build_tempco, run as step, run_and_read};
 
 /// The crate of the module, below the root of the workspace.
 const MODULE: &str = "host-tools/python";
@@ -128,11 +128,11 @@ pub(crate) struct Module {
     pub(crate) package: PathBuf,
 }
 
-/// Builds the command and the module.
+/// Builds the command and the module, with the features that the tests of the workspace give to their
+/// crates: what these have built is used.
 pub(crate) fn module(workspace: &Workspace) -> Result<Module> {
-    let command = build_tempco(workspace, &[])?;
-    let build = ["build", "--locked", "--package", "tempco-python"];
-    step(workspace, &mut cargo(workspace, &build))?;
+    let as_tests = ["--workspace", "--lib", "--bin", "tempco", "--examples"];
+    let command = build_tempco(workspace, &as_tests)?;
     let package = package(workspace, command.parent().context("a folder")?)?;
     Ok(Module { command, package })
 }
