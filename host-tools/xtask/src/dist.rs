@@ -22,7 +22,7 @@ enum What {
     C,
     /// The `tempco` command for Linux and Windows
     Command,
-    /// The wheel for Python on Linux
+    /// The wheels for Python on Linux and Windows
     Wheel,
     /// The page that runs the command in a browser
     Page,
@@ -52,7 +52,9 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         }
     }
     if is_wanted(What::Wheel) {
-        say(python::wheel(&workspace, &folder)?, &workspace);
+        for wheel in python::wheels(&workspace, &folder)? {
+            say(wheel, &workspace);
+        }
     }
     if is_wanted(What::Page) {
         say(tempco_web::page(&workspace, &folder)?, &workspace);

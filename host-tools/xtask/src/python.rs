@@ -8,6 +8,7 @@ use anyhow::{Context, Result, ensure};
 use tempco_qemu::{Workspace, ensure_program};
 
 use crate::run::{build_tempco, run as step, run_and_read};
+use crate::windows;
 
 /// The crate of the module, below the root of the workspace.
 const MODULE: &str = "host-tools/python";
@@ -49,9 +50,18 @@ pub(crate) fn environment(workspace: &Workspace, name: &str, list: &str) -> Resu
     Ok(python)
 }
 
-/// Makes the wheel in `folder`, for every Linux of the last ten years by zig as the linker, and returns
-/// its path. It is installed and used in an environment that has nothing else.
-pub(crate) fn wheel(workspace: &Workspace, folder: &Path) -> Result<PathBuf> {
+/// Makes the wheels in `folder` and returns their paths: for every Linux of the last ten years by zig as
+/// the linker, which is installed and used in an environment that has nothing else; and for Windows,
+/// which is not tried.
+pub(crate) fn wheels(workspace: &Workspace, folder: &Path) -> Result<[PathBuf; 2]> {
+    let linux = wheel(workspace, folder, &["--zig"])?;
+    use_it(workspace, &linux)?;
+    windows::ensure_compilers(workspace)?;
+    let windows = wheel(workspace, folder, &["--target", windows::TARGET])?;
+    Ok([linux, windows])
+}
+
+fn wheel(workspace: &Workspace, folder: &Path, options: &[&str]) -> Result<PathBuf> {
     let python = environment(workspace, "maturin", &format!("{MODULE}/requirements.txt"))?;
     let tools = python.parent().context("a folder")?;
     let wheels = folder.join("wheel");
@@ -63,8 +73,9 @@ pub(crate) fn wheel(workspace: &Workspace, folder: &Path) -> Result<PathBuf> {
     let mut maturin = Command::new(tools.join("maturin"));
     maturin
         .current_dir(workspace.root().join(MODULE))
-        .args(["build", "--release", "--locked", "--zig", "--out"])
+        .args(["build", "--release", "--locked", "--out"])
         .arg(&wheels)
+        .args(options)
         .env("PATH", std::env::join_paths(path)?);
     step(workspace, &mut maturin)?;
     let mut made = fs::read_dir(&wheels)?;
@@ -72,7 +83,6 @@ pub(crate) fn wheel(workspace: &Workspace, folder: &Path) -> Result<PathBuf> {
     let wheel = folder.join(made.file_name());
     fs::rename(made.path(), &wheel)?;
     fs::remove_dir(&wheels)?;
-    use_it(workspace, &wheel)?;
     Ok(wheel)
 }
 
