@@ -8,8 +8,30 @@ use std::thread;
 use super::LogError;
 
 /// The cores of this machine; one in a browser, which gives a program no threads.
-pub(crate) fn cores() -> usize {
+fn cores() -> usize {
     thread::available_parallelism().map_or(1, usize::from)
+}
+
+/// How much is read at a time, and by how many.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Parts {
+    /// Bytes of text.
+    pub(super) block_bytes: usize,
+    /// Rows of a table.
+    pub(super) table_rows: usize,
+    pub(super) cores: usize,
+}
+
+impl Parts {
+    /// A block of text is small enough for the cache of a core, and large enough to make handing over
+    /// cheap.
+    pub(super) fn usual() -> Self {
+        Self {
+            block_bytes: 1 << 18,
+            table_rows: 1 << 13,
+            cores: cores(),
+        }
+    }
 }
 
 /// Applies `work` to every item, on as many threads as there are cores; the results are in the

@@ -15,14 +15,13 @@ use super::layout::{Finder, Found, Layout, RowKind};
 use super::mapping::{Filter, Mapping};
 use super::order::{Bad, Parsed};
 use super::pages::{BoundedFile, LARGEST_PAGE};
-use super::parallel::{Ahead, Part, later};
+use super::parallel::{Ahead, Part, Parts, later};
 use super::parquet_columns::{self as columns, Column, Origin};
 use super::parquet_file::{self, refused};
 use super::parquet_filters::{self as filters, Wanted};
 use super::skipped::Reason;
 use super::slot::{Conversion, Kind, Slot};
 use super::source::Source;
-use super::stream::Parts;
 use super::time::TimeUnit;
 use super::time_types::{TimeType, time_types};
 

@@ -15,10 +15,9 @@ use super::blocks::{Block, BlockError, Blocks};
 use super::head::{Body, HeadError, read_head};
 use super::layout::{Finder, Layout};
 use super::order::Parsed;
-use super::parallel::{Ahead, Part};
+use super::parallel::{Ahead, Part, Parts};
 use super::rows;
 use super::source::{Format, Source};
-use super::stream::Parts;
 
 /// Blocks under way at a time.
 const DEPTH: usize = 4;

@@ -14,35 +14,13 @@ use super::join::Joined;
 use super::layout::{Finder, Layout};
 use super::mapping::Mapping;
 use super::order::{Parsed, TimeOrder};
-use super::parallel::{Ahead, cores};
+use super::parallel::{Ahead, Parts};
 use super::parquet::ParquetRows;
 use super::pipeline::Pipeline;
 use super::skipped::SkippedRows;
 use super::source::{Format, Source};
 use super::temp_columns::joined_temps;
 use super::{LogError, ReadOptions, Reading};
-
-/// How much is read at a time, and by how many.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Parts {
-    /// Bytes of text.
-    pub(super) block_bytes: usize,
-    /// Rows of a table.
-    pub(super) table_rows: usize,
-    pub(super) cores: usize,
-}
-
-impl Parts {
-    /// A block of text is small enough for the cache of a core, and large enough to make handing over
-    /// cheap.
-    fn usual() -> Self {
-        Self {
-            block_bytes: 1 << 18,
-            table_rows: 1 << 13,
-            cores: cores(),
-        }
-    }
-}
 
 /// A log that is read in memory of a fixed size, however long it is.
 ///

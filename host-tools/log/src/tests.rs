@@ -14,7 +14,7 @@ use parquet::schema::parser::parse_message_type;
 use proptest::prelude::*;
 
 use super::clock::TimeNotes;
-use super::stream::Parts;
+use super::parallel::Parts;
 use super::{Chunk, DoubtKind, LogError, LogStream, ReadOptions, read_log};
 
 /// Reads a log in parts of `size` bytes, or rows of a table.
