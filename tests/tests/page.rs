@@ -42,7 +42,15 @@ struct Visit<'a> {
     bench: &'a Bench,
 }
 
-impl Visit<'_> {
+impl<'a> Visit<'a> {
+    fn new(browser: &'a mut Browser, page: &'a Path, bench: &'a Bench) -> Self {
+        Self {
+            browser,
+            page,
+            bench,
+        }
+    }
+
     /// Opens the page once more and chooses logs.
     fn begin(&mut self, logs: &[&str]) {
         self.browser.open(self.page, SCREEN);
@@ -198,11 +206,7 @@ fn the_page_gives_what_the_command_gives() {
 
     let page = page();
     let mut browser = Browser::start();
-    let mut visit = Visit {
-        browser: &mut browser,
-        page: &page,
-        bench: &bench,
-    };
+    let mut visit = Visit::new(&mut browser, &page, &bench);
 
     for log in ["cal.csv", "sensor_gyro_0.csv", "spoilt.csv"] {
         visit.begin(&[log]);
@@ -388,11 +392,7 @@ fn a_fault_of_the_command_is_said_and_the_page_goes_on() {
     let page = bench.path("tempco.html");
     fs::write(&page, tempco_web::assembled(TRAP).unwrap()).unwrap();
     let mut browser = Browser::start();
-    let mut visit = Visit {
-        browser: &mut browser,
-        page: &page,
-        bench: &bench,
-    };
+    let mut visit = Visit::new(&mut browser, &page, &bench);
     visit.begin(&["log.csv"]);
     for _ in 0..2 {
         visit.fit("S1", "auto");
@@ -428,11 +428,7 @@ fn how_long_it_takes() {
     fs::write(bench.path("long.csv"), long).unwrap();
     let page = page();
     let mut browser = Browser::start();
-    let mut visit = Visit {
-        browser: &mut browser,
-        page: &page,
-        bench: &bench,
-    };
+    let mut visit = Visit::new(&mut browser, &page, &bench);
     for log in ["short.csv", "long.csv"] {
         visit.begin(&[log]);
         let begun = Instant::now();

@@ -39,17 +39,16 @@ async function fit() {
   const serial = $("serial").value.trim();
   const args = [`--serial=${serial}`, `--model=${$("model").value}`, ...options];
   // Each log is read twice: for the fit and for its report.
-  let before = 0;
   const onRead = (of) => (read) => {
-    $("progress").value = Math.min((before + read) / (2 * of), 1);
+    $("progress").value = Math.min(read / (2 * of), 1);
   };
   cancel = new AbortController();
   const { signal } = cancel;
-  const task = (files, commands, of) => job(files, commands, onRead(of), signal);
+  const task = (files, args, of) => job(files, args, onRead(of), signal);
   try {
     say("state", "Fitting");
-    const made = await task(filesOf(logs), [["fit", ...names, ...args, "--out=/set", "--json"]], bytes);
-    const [answer] = made.results;
+    const made = await task(logFiles(), ["fit", ...names, ...args, "--out=/set", "--json"], bytes);
+    const answer = made.result;
     if (answer.code === 2) {
       throw new Error(complaint(answer));
     }
@@ -58,7 +57,6 @@ async function fit() {
     for (const set of sets) {
       set.folder = set.files[0].replace(/^\//, "").replace(/\/[^/]*$/, "");
       set.checks = [];
-      before = 0;
       for (const [number, log] of judged.entries()) {
         say("state", `Judging by ${log.file.name}`);
         set.checks.push(await verify(set, files, log, number, options, task));
@@ -78,11 +76,10 @@ async function fit() {
 // Judges a set by a log that it was not fitted to, and keeps the sign-off in it.
 async function verify(set, files, log, number, options, task) {
   const report = `${set.folder}/verification-${number + 1}.html`;
-  const own = [...files].filter(([path]) => path.startsWith(`${set.folder}/`));
   const args = ["evaluate", `/${set.folder}/coefficients.json`, `/${log.path}`, "--sign-off", `--report=/${report}`,
     "--json", ...options];
-  const made = await task({ ...filesOf(logs), ...Object.fromEntries(own) }, [args], log.file.size);
-  const [answer] = made.results;
+  const made = await task({ ...logFiles(), ...Object.fromEntries(ownFiles(set, files)) }, args, log.file.size);
+  const answer = made.result;
   made.files.forEach(([path, bytes]) => files.set(path, bytes));
   return answer.code === 2
     ? { name: log.file.name, error: complaint(answer) }
@@ -98,14 +95,14 @@ async function parameters(set, files, task) {
     ["ardupilot", "ardupilot.param", []]]) {
     const out = `${set.folder}/${file}`;
     const args = ["export", `/${path}`, `--to=${autopilot}`, `--out=/${out}`, ...options];
-    const made = await task({ [path]: files.get(path) }, [args], 0);
-    const [{ code, err }] = made.results;
+    const made = await task({ [path]: files.get(path) }, args, 0);
+    const { code, err } = made.result;
     if (code === 0) {
       files.set(out, new Map(made.files).get(out));
     }
     if (err !== "") {
       const what = code === 0 ? `Parameters for ${autopilot}` : `No parameters for ${autopilot}`;
-      said.push(`${what}: ${complaint(made.results[0]).replace(`/${path}: `, "")}`);
+      said.push(`${what}: ${complaint(made.result).replace(`/${path}: `, "")}`);
     }
   }
   return said;

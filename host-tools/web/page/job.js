@@ -10,8 +10,9 @@ async function unpacked() {
 const command = unpacked();
 const workerUrl = URL.createObjectURL(new Blob([$("worker").textContent], { type: "text/javascript" }));
 
-// Runs commands, each with its arguments, on files by their paths. `signal` ends the job.
-async function job(files, commands, onRead = () => {}, signal = new AbortController().signal) {
+// Runs the command with arguments on files by their paths: its result, and the files that it wrote. `signal`
+// ends the job.
+async function job(files, args, onRead = () => {}, signal = new AbortController().signal) {
   const module = await command;
   signal.throwIfAborted();
   const worker = new Worker(workerUrl);
@@ -28,7 +29,7 @@ async function job(files, commands, onRead = () => {}, signal = new AbortControl
         }
       };
       worker.onerror = (event) => reject(new Error(`the worker ended: ${event.message}`));
-      worker.postMessage({ module, files, commands });
+      worker.postMessage({ module, files, args });
     });
   } finally {
     worker.terminate();

@@ -70,7 +70,7 @@ function readingOptions() {
     ...($("skip").checked ? ["--skip-bad-rows"] : [])];
 }
 
-const filesOf = (some) => Object.fromEntries(some.map((log) => [log.path, log.file]));
+const logFiles = () => Object.fromEntries(logs.map((log) => [log.path, log.file]));
 
 // Which look is the last: results of former ones are not shown.
 let looks = 0;
@@ -83,10 +83,10 @@ async function look() {
   for (const log of logs.filter((log) => log.use !== "join")) {
     const before = JSON.stringify([log.columns, log.error, log.note]);
     try {
-      const { results } = await job(filesOf(logs), [["columns", `/${log.path}`, "--json", ...options]]);
-      const answer = results[0].code === 0 ? JSON.parse(results[0].out) : null;
+      const { result } = await job(logFiles(), ["columns", `/${log.path}`, "--json", ...options]);
+      const answer = result.code === 0 ? JSON.parse(result.out) : null;
       [log.columns, log.note] = [answer?.columns ?? null, answer?.reading ?? null];
-      log.error = answer ? null : complaint(results[0]);
+      log.error = answer ? null : complaint(result);
     } catch (failure) {
       [log.columns, log.note, log.error] = [null, null, failure.message];
     }

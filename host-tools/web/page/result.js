@@ -66,11 +66,13 @@ function ofCheck(check) {
   scrolled(table(["axis", "unit", "before", "after", "improvement"], rows, "figures"))];
 }
 
-// Files of a set, with their names alone.
+// Files of a set by their paths.
+const ownFiles = (set, files) => [...files].filter(([path]) => path.startsWith(`${set.folder}/`));
+
+// The same with their names alone, in order.
 function filesIn(set, files) {
-  const prefix = `${set.folder}/`;
-  const own = [...files].filter(([path]) => path.startsWith(prefix));
-  return own.map(([path, bytes]) => [path.slice(prefix.length), bytes]).sort(([a], [b]) => (a < b ? -1 : 1));
+  const named = ownFiles(set, files).map(([path, bytes]) => [path.slice(set.folder.length + 1), bytes]);
+  return named.sort(([a], [b]) => (a < b ? -1 : 1));
 }
 
 function downloads(set, files) {

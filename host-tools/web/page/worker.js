@@ -1,12 +1,11 @@
-// Runs commands one after the other on the same files, and says how far it is. A page makes a worker
-// for each job; it is ended after the job, or before, to cancel it.
+// Runs the command once on some files, and says how far it is. A page makes a worker for each job; it
+// is ended after the job, or before, to cancel it.
 
 // Bytes between two messages of progress.
 const PROGRESS_BYTES = 1 << 20;
 
-// The job: the compiled command, files by their paths (chosen files, or bytes), the arguments of each
-// command. After an exit code of 2 the rest is left out.
-self.onmessage = async ({ data: { module, files, commands } }) => {
+// The job: the compiled command, files by their paths (chosen files, or bytes), the arguments.
+self.onmessage = async ({ data: { module, files, args } }) => {
   try {
     let [read, said] = [0, 0];
     const onRead = (more) => {
@@ -21,15 +20,9 @@ self.onmessage = async ({ data: { module, files, commands } }) => {
       const isChosen = content instanceof Blob;
       tree.add(path, isChosen ? new ChosenFile(content, onRead) : new MemoryFile(content));
     }
-    const results = [];
-    for (const args of commands) {
-      results.push(await run(module, ["tempco", ...args], tree));
-      if (results.at(-1).code === 2) {
-        break;
-      }
-    }
+    const result = await run(module, ["tempco", ...args], tree);
     const made = [...tree.files].filter(([, file]) => file instanceof MemoryFile);
-    self.postMessage({ results, files: made.map(([path, file]) => [path, file.contents()]) });
+    self.postMessage({ result, files: made.map(([path, file]) => [path, file.contents()]) });
   } catch (failure) {
     self.postMessage({ failure: String(failure.message ?? failure) });
   }
