@@ -1,9 +1,10 @@
-//! Signals that end the command: it removes unfinished files, then ends by the signal.
+//! Signals that end the command: it removes unfinished files, ends emulators, then ends by the signal.
 
 use std::fs;
 use std::io;
 use std::thread;
 
+use tempco_qemu::end_all_machines;
 use tempco_set::files;
 
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
@@ -21,6 +22,7 @@ pub(crate) fn watch() -> io::Result<()> {
     thread::spawn(move || {
         for signal in signals.forever() {
             files::abandon();
+            end_all_machines();
             let _ = emulate_default_handler(signal);
         }
     });

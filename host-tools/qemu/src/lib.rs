@@ -58,7 +58,7 @@ pub use install::{
 };
 pub use layout::{Layout, Sizes};
 #[cfg(unix)]
-pub use machine::{Machine, MachineOptions, MachineTime};
+pub use machine::{Machine, MachineOptions, MachineTime, end_all_machines};
 pub use replay::replay;
 pub use run::{Options, Run, one_by_one, run};
 pub use workspace::Workspace;

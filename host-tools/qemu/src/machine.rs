@@ -3,7 +3,7 @@
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 use std::thread;
 use std::time::{Duration, Instant};
 use std::{env, fs};
@@ -54,12 +54,18 @@ pub enum MachineTime {
 
 /// A machine that runs, until it is dropped.
 pub struct Machine {
-    child: Child,
+    process: Arc<Running>,
     qmp: Qmp,
     messages: Messages,
     stdout: Collected,
-    /// Holds the sockets.
-    folder: TempDir,
+    /// For the sockets, and for what QEMU writes.
+    folder: PathBuf,
+}
+
+impl Drop for Machine {
+    fn drop(&mut self) {
+        locked(&self.process).take();
+    }
 }
 
 impl Machine {
@@ -72,31 +78,48 @@ impl Machine {
         let elf = elf.canonicalize().map_err(Error::file(elf))?;
         let messages = Messages::of(&elf, &fs::read(&elf).map_err(Error::file(&elf))?)?;
         let folder = tempfile::tempdir().map_err(Error::file(&env::temp_dir()))?;
-        let mut command = qemu(&elf, board, folder.path(), options);
-        let mut child = command.spawn().map_err(|cause| Error::Start {
+        let path = folder.path().to_owned();
+        let mut command = qemu(&elf, board, &path, options);
+        let child = command.spawn().map_err(|cause| Error::Start {
             program: "qemu-system-arm".to_owned(),
             cause,
         })?;
-        let stdout = Collected::of(child.stdout.take());
-        let stderr = Collected::of(child.stderr.take());
-        match control(&mut child, &folder.path().join("qmp"), &stderr) {
-            Ok(qmp) => Ok(Self {
-                child,
-                qmp,
-                messages,
-                stdout,
-                folder,
-            }),
-            Err(error) => {
-                end(&mut child);
-                Err(error)
-            }
-        }
+        let mut process = Process { child, folder };
+        let stdout = Collected::of(process.child.stdout.take());
+        let stderr = Collected::of(process.child.stderr.take());
+        let qmp = control(
+            &mut process.child,
+            &process.folder.path().join("qmp"),
+            &stderr,
+        )?;
+        Ok(Self {
+            process: register(process),
+            qmp,
+            messages,
+            stdout,
+            folder: path,
+        })
     }
 
     /// The socket of the first UART.
     pub fn link(&self) -> PathBuf {
-        self.folder.path().join("link")
+        self.folder.join("link")
+    }
+
+    /// Lets time stand still.
+    ///
+    /// # Errors
+    /// QEMU has ended.
+    pub fn pause(&mut self) -> Result<(), Error> {
+        self.qmp.command("stop", json!({})).map(drop)
+    }
+
+    /// Lets time go on.
+    ///
+    /// # Errors
+    /// QEMU has ended.
+    pub fn go_on(&mut self) -> Result<(), Error> {
+        self.qmp.command("cont", json!({})).map(drop)
     }
 
     /// What the image logged so far, a message each; nothing without the feature `messages`.
@@ -117,7 +140,7 @@ impl Machine {
     /// # Errors
     /// QEMU has ended.
     pub fn read_memory(&mut self, address: u32, len: usize) -> Result<Vec<u8>, Error> {
-        let path = self.folder.path().join("memory");
+        let path = self.folder.join("memory");
         let arguments = json!({"val": address, "size": len, "filename": path});
         self.qmp.command("pmemsave", arguments)?;
         fs::read(&path).map_err(Error::file(&path))
@@ -135,17 +158,44 @@ impl Machine {
     }
 }
 
-/// As cutting the supply does: the image gets no notice.
-impl Drop for Machine {
+/// The process of a machine, with its sockets.
+struct Process {
+    child: Child,
+    folder: TempDir,
+}
+
+/// As by a cut of the supply: the image gets no notice.
+impl Drop for Process {
     fn drop(&mut self) {
-        end(&mut self.child);
+        // Both fail only where it has ended by itself.
+        _ = self.child.kill();
+        _ = self.child.wait();
     }
 }
 
-fn end(child: &mut Child) {
-    // Both fail only where it has ended by itself.
-    _ = child.kill();
-    _ = child.wait();
+/// A process, until it is ended.
+type Running = Mutex<Option<Process>>;
+
+/// Every process that may still run.
+static RUNNING: Mutex<Vec<Weak<Running>>> = Mutex::new(Vec::new());
+
+fn register(process: Process) -> Arc<Running> {
+    let process = Arc::new(Mutex::new(Some(process)));
+    let mut running = locked(&RUNNING);
+    running.retain(|process| process.strong_count() > 0);
+    running.push(Arc::downgrade(&process));
+    process
+}
+
+/// Ends all machines of this process, for a program that ends at once.
+pub fn end_all_machines() {
+    for process in locked(&RUNNING).iter().filter_map(Weak::upgrade) {
+        locked(&process).take();
+    }
+}
+
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 fn qemu(elf: &Path, board: Board, folder: &Path, options: &MachineOptions) -> Command {
@@ -220,16 +270,14 @@ impl Collected {
             let mut block = [0; 4096];
             let Some(mut pipe) = pipe else { return };
             while let Ok(count @ 1..) = pipe.read(&mut block) {
-                let mut sink = sink.lock().unwrap_or_else(PoisonError::into_inner);
-                sink.extend_from_slice(&block[..count]);
+                locked(&sink).extend_from_slice(&block[..count]);
             }
         });
         Self { bytes, reader }
     }
 
     fn so_far(&self) -> Vec<u8> {
-        let bytes = self.bytes.lock();
-        bytes.unwrap_or_else(PoisonError::into_inner).clone()
+        locked(&self.bytes).clone()
     }
 
     /// All, of a child that has ended.
