@@ -47,6 +47,7 @@ where
             },
             Request::Telemetry { period_ms } => {
                 self.period_ms = period_ms;
+                self.unasked_ms = self.time.now_ms();
                 self.next_telemetry()
             }
             Request::Sample(sample) => self.step(&sample),

@@ -64,8 +64,8 @@ pub(super) struct Service<'t, F, T, K, const C: usize, const A: usize> {
     telemetry_index: u32,
     /// Period of the telemetry that is sent without being asked for; none where it is 0.
     pub(super) period_ms: u32,
-    /// Time of the last message that was sent so.
-    unasked_ms: u32,
+    /// When the last message was due that was sent so, or when the first one was asked for.
+    pub(super) unasked_ms: u32,
     pub(super) replay: Option<Replay<'t, C, A>>,
     /// Compensated samples of the last block.
     pub(super) block: Vec<u8, MAX_BLOCK>,
@@ -259,11 +259,14 @@ where
     /// The telemetry that is due without being asked for.
     pub(super) fn due_telemetry(&mut self) -> Option<Telemetry> {
         let now_ms = self.time.now_ms();
-        let is_due = self.period_ms > 0 && now_ms.wrapping_sub(self.unasked_ms) >= self.period_ms;
-        if !is_due || !self.recent.has_news(now_ms) {
+        let since_ms = now_ms.wrapping_sub(self.unasked_ms);
+        // None where the period is 0.
+        let late_ms = since_ms.checked_rem(self.period_ms)?;
+        if since_ms < self.period_ms || !self.recent.has_news(now_ms) {
             return None;
         }
-        self.unasked_ms = now_ms;
+        // On a grid, so that a pass that comes late shifts one message and not all that follow.
+        self.unasked_ms = now_ms.wrapping_sub(late_ms);
         Some(self.telemetry())
     }
 

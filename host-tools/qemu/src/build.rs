@@ -52,6 +52,13 @@ impl Variant {
         features: &["application", "log"],
         config: &[],
     };
+
+    /// The application on the reference board, with a host that plays chamber and gyros.
+    pub const WORLD: Self = Self {
+        name: "world",
+        features: &["application", "log", "world"],
+        config: &[],
+    };
 }
 
 /// Builds the binary `bin` of the firmware or the test images for a board and returns the image's path.

@@ -3,17 +3,23 @@
 use cortex_m_rt::exception;
 use tempco_link::FaultSet;
 
-use super::bench::{BenchGyro, BenchThermometers};
+#[cfg(not(feature = "world"))]
+use super::bench::BenchThermometers as BoardThermometers;
 use super::interrupts::Interrupt;
 use super::nor::Nor;
 pub use super::nor::REGIONS;
 use super::registers;
 use super::uart::Uart;
+#[cfg(feature = "world")]
+use super::world::WorldThermometers as BoardThermometers;
 use crate::reset;
 use crate::unit::devices::{Devices, ResetCause, Watchdog};
 
-/// The gyro.
-pub type BoardGyro = BenchGyro;
+#[cfg(not(feature = "world"))]
+pub use super::bench::BenchGyro as BoardGyro;
+#[cfg(feature = "world")]
+pub use super::world::WorldGyro as BoardGyro;
+
 /// The flash that holds the store.
 pub type BoardFlash = Nor<'static>;
 
@@ -33,7 +39,7 @@ pub fn free_running() -> u32 {
 pub fn take(
     core: &mut cortex_m::Peripherals,
 ) -> Option<(
-    Devices<Uart, BenchThermometers, BoardWatchdog>,
+    Devices<Uart, BoardThermometers, BoardWatchdog>,
     BoardFlash,
     BoardGyro,
 )> {
@@ -41,7 +47,7 @@ pub fn take(
     registers::start_timer();
     let devices = Devices {
         link: Uart::link()?,
-        thermometers: BenchThermometers::new(Uart::bench()?),
+        thermometers: BoardThermometers::new(Uart::bench()?),
         watchdog: BoardWatchdog(()),
         // The board does not say; the watchdog's warning does.
         reset_cause: ResetCause::PowerOn,
@@ -55,7 +61,7 @@ pub fn take(
             cortex_m::peripheral::NVIC::unmask(interrupt);
         }
     }
-    Some((devices, flash, BenchGyro::new()))
+    Some((devices, flash, BoardGyro::new()))
 }
 
 /// Below the sampling interrupt, which has the highest there is.

@@ -16,7 +16,7 @@ use embedded_io::Read as _;
 use tempco::Status;
 use tempco_sensors::SensorFault;
 
-use super::registers;
+use super::played;
 use super::uart::Uart;
 use crate::unit::devices::{AtRest, Gyro, Thermometers};
 
@@ -122,24 +122,15 @@ impl BenchGyro {
 impl<const C: usize, const A: usize> Gyro<C, A> for BenchGyro {
     const PULSES_PER_COUNT: f32 = 1.0;
     const SCALE_FACTOR_ARCSEC: f32 = 1.0;
-    /// Up to five counts per sample of constant bias.
-    const AT_REST: AtRest = AtRest {
-        sigma: 10.0,
-        max_bias: 10_000.0,
-    };
-    /// Logs of any gyro are replayed here.
-    const MAX_TABLE_BIAS: f32 = 1e6;
+    const AT_REST: AtRest = played::AT_REST;
+    const MAX_TABLE_BIAS: f32 = played::MAX_TABLE_BIAS;
 
     fn counts(&mut self) -> [[i32; A]; C] {
         let mut counts = COUNTS.iter().map(|counts| counts.load(Ordering::Relaxed));
         core::array::from_fn(|_| core::array::from_fn(|_| counts.next().unwrap_or(0)))
     }
 
-    /// The lamps of the board stand for the output. They show flags only, so the compiler is told that
-    /// the sample is used: else it would be computed after the output, or not at all.
     fn put(&mut self, compensated: &[[f32; A]; C], status: &[Status; C]) {
-        core::hint::black_box(compensated);
-        let all = status.iter().fold(Status::OK, |all, status| all | *status);
-        registers::put_lamps(all.bits().into());
+        played::put(compensated, status);
     }
 }

@@ -4,8 +4,9 @@
 //! takes 1 ns: 40 calls of a function take one count per instruction of the function.
 //!
 //! For the application: the link is UART0. The board has neither a flash of its own for data nor
-//! sensors nor a gyro. A stretch of RAM stands in for the flash, with its rules ([`nor`]), and a
-//! test bench on UART1 for the others (`bench`).
+//! sensors nor a gyro. A stretch of RAM stands in for the flash, with its rules ([`nor`]). For the
+//! others there is a test bench on UART1 (`bench`), which a message sets once, or with the feature
+//! `world` a host that plays them all the time (`world`).
 
 #[cfg(all(
     target_os = "none",
@@ -16,10 +17,17 @@ mod application;
 #[cfg(all(
     target_os = "none",
     feature = "board-mps2-an386",
-    feature = "application"
+    feature = "application",
+    not(feature = "world")
 ))]
 mod bench;
 pub mod nor;
+#[cfg(all(
+    target_os = "none",
+    feature = "board-mps2-an386",
+    feature = "application"
+))]
+mod played;
 #[cfg(all(
     target_os = "none",
     feature = "board-mps2-an386",
@@ -32,6 +40,13 @@ mod registers;
     feature = "application"
 ))]
 mod uart;
+#[cfg(all(
+    target_os = "none",
+    feature = "board-mps2-an386",
+    feature = "application",
+    feature = "world"
+))]
+mod world;
 
 #[cfg(all(
     target_os = "none",
