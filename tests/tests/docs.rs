@@ -1,10 +1,12 @@
 //! What the documents show is run: every `$ tempco` line of a `console` block, in order, in one
 //! folder per document, where every `toml` block that begins with `# NAME.toml` is a file. A line
-//! with `# rejected` behind it must end with exit code 1, every other line with 0.
+//! with `# rejected` behind it must end with exit code 1, every other line with 0. A line with `&`
+//! behind it runs on until `$ kill %1`, as in a shell; the next line waits for what it prints first.
 
 use std::fs;
+use std::io::{BufRead, BufReader};
 use std::path::Path;
-use std::process::Command;
+use std::process::{Child, Command, Stdio};
 
 use tempco_link::Fault;
 use tempco_tests::{Bench, root, tempco_path};
@@ -46,30 +48,68 @@ fn write_files(document: &str, bench: &Bench) {
     }
 }
 
+/// A command that runs on.
+struct Job(Child);
+
+impl Job {
+    fn start(command: &mut Command) -> Self {
+        let mut child = command.stdout(Stdio::piped()).spawn().unwrap();
+        let mut first = String::new();
+        let mut output = BufReader::new(child.stdout.take().unwrap());
+        output.read_line(&mut first).unwrap();
+        assert!(!first.is_empty(), "{command:?} ended");
+        Self(child)
+    }
+}
+
+/// As `kill` does, so that it can clean up; also where a test fails.
+impl Drop for Job {
+    fn drop(&mut self) {
+        let id = self.0.id().to_string();
+        Command::new("kill").arg(id).status().unwrap();
+        self.0.wait().unwrap();
+    }
+}
+
 fn run_all(path: &Path) -> usize {
     let bench = Bench::new();
     let document = fs::read_to_string(path).unwrap();
     write_files(&document, &bench);
     let commands = commands(&document);
-    for command in &commands {
-        assert_eq!(command[0], "tempco", "{command:?}");
-        let end = command.iter().position(|word| word == "#");
-        let end = end.unwrap_or(command.len());
-        let expected = i32::from(command[end..].iter().any(|word| word == "rejected"));
-        let output = Command::new(tempco_path())
-            .current_dir(bench.path("."))
-            .args(&command[1..end])
-            .output()
-            .unwrap();
+    let mut job = None;
+    for words in &commands {
+        if *words == ["kill", "%1"] {
+            assert!(job.take().is_some(), "{}: no job", path.display());
+            continue;
+        }
+        assert_eq!(words[0], "tempco", "{words:?}");
+        let end = words.iter().position(|word| word == "#" || word == "&");
+        let (args, rest) = words[1..].split_at(end.unwrap_or(words.len()) - 1);
+        let mut command = Command::new(tempco_path());
+        command.current_dir(bench.path(".")).args(args);
+        if rest.iter().any(|word| word == "&") {
+            job = Some(Job::start(&mut command));
+            continue;
+        }
+        let expected = i32::from(rest.iter().any(|word| word == "rejected"));
+        let output = command.output().unwrap();
         assert_eq!(
             output.status.code(),
             Some(expected),
             "{}: {}\n{}{}",
             path.display(),
-            command.join(" "),
+            words.join(" "),
             String::from_utf8_lossy(&output.stdout),
             String::from_utf8_lossy(&output.stderr)
         );
+        let last = output
+            .stdout
+            .trim_ascii_end()
+            .rsplit(|byte| *byte == b'\n')
+            .next();
+        if args[0] == "replay" {
+            assert!(last.unwrap().starts_with(b"0 of "), "{}", words.join(" "));
+        }
     }
     commands.len()
 }

@@ -32,7 +32,7 @@ const BY_ROW: [&str; 6] = [
 
 /// Commands, with the options of theirs that take numbers, and those that take ranges. What stands
 /// for a serial port is none.
-const COMMANDS: [(&str, &[&str], &[&str]); 14] = [
+const COMMANDS: [(&str, &[&str], &[&str]); 19] = [
     ("columns log.csv", &["--scale-factor", "--instance"], &[]),
     ("summarise log.csv --out OUT", &BY_ROW, &["--exclude"]),
     (
@@ -91,10 +91,23 @@ const COMMANDS: [(&str, &[&str], &[&str]); 14] = [
         &[],
     ),
     ("faults --port /dev/null", &["--baud"], &[]),
+    (
+        "record --port /dev/null --out OUT",
+        &["--baud", "--period", "--duration"],
+        &[],
+    ),
+    (
+        "rezero --port /dev/null",
+        &["--baud", "--seconds", "--expected"],
+        &[],
+    ),
+    ("bit --port /dev/null", &["--baud"], &[]),
+    ("bank --port /dev/null", &["--baud"], &[]),
+    ("unit --qemu --socket /dev/null", &["--seed"], &[]),
 ];
 
 /// Options whose value is no number.
-const OTHERS: [&str; 23] = [
+const OTHERS: [&str; 26] = [
     "--against",
     "--axis",
     "--batch",
@@ -111,12 +124,15 @@ const OTHERS: [&str; 23] = [
     "--report",
     "--serial",
     "--show",
+    "--socket",
+    "--table",
     "--target",
     "--temp",
     "--time",
     "--to",
     "--truth",
     "--unit",
+    "--use",
     "--where",
 ];
 

@@ -132,7 +132,7 @@ mod tests {
             .chain(subcommands)
             .cloned()
             .collect();
-        assert_eq!(commands.len(), 14);
+        assert_eq!(commands.len(), 19);
         for mut command in commands {
             let name = command.get_name().to_owned();
             for help in [command.render_help(), command.render_long_help()] {

@@ -41,6 +41,19 @@ impl Progress {
         )
     }
 
+    /// A bar over the seconds of a log that is recorded; without an end, it counts.
+    pub(crate) fn over_recording(duration_s: Option<f64>) -> Self {
+        duration_s.map_or_else(
+            || Self::new(u64::MAX, "recording {human_pos} s"),
+            |duration_s| {
+                Self::new(
+                    duration_s.ceil() as u64,
+                    "recording {bar:30} {human_pos} of {human_len} s, {eta} remaining",
+                )
+            },
+        )
+    }
+
     fn new(length: u64, template: &str) -> Self {
         let bar = ProgressBar::with_draw_target(Some(length), ProgressDrawTarget::hidden());
         if let Ok(style) = ProgressStyle::with_template(template) {

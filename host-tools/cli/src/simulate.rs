@@ -85,19 +85,29 @@ fn is_file(argument: &str) -> bool {
     argument.contains(['.', '/', '\\'])
 }
 
-fn simulate(args: &Args, unit: &str, profile: &str, out: &Path) -> Result<()> {
-    let unit = match unit {
+/// The unit that an argument names.
+pub(crate) fn unit(argument: &str) -> Result<Unit> {
+    Ok(match argument {
         file if is_file(file) => Unit::read(Path::new(file))?,
         name => Unit::named(name)?,
-    };
+    })
+}
+
+/// The profile that an argument names.
+pub(crate) fn profile(argument: &str) -> Result<Profile> {
+    Ok(match argument {
+        file if is_file(file) => Profile::read(Path::new(file))?,
+        name => Profile::named(name)?,
+    })
+}
+
+fn simulate(args: &Args, unit: &str, profile: &str, out: &Path) -> Result<()> {
+    let unit = self::unit(unit)?;
     let unit = match args.draw {
         Some(seed) => unit.redrawn(seed),
         None => unit,
     };
-    let profile = match profile {
-        file if is_file(file) => Profile::read(Path::new(file))?,
-        name => Profile::named(name)?,
-    };
+    let profile = self::profile(profile)?;
     let run = Simulation::new(&unit, &profile, args.seed, args.rate)?;
     let mut log = Sink::create(out)?;
     let mut truth = None;

@@ -43,6 +43,12 @@ pub enum Error {
         /// For how long.
         waited: Duration,
     },
+    /// What the unit should send unasked does not come.
+    #[error("the unit sent nothing for {:.1} s", waited.as_secs_f64())]
+    Silent {
+        /// For how long.
+        waited: Duration,
+    },
     /// Unit and host cannot understand each other.
     #[error(
         "the unit speaks version {unit} of the protocol and this program version {}: use the program \
@@ -153,6 +159,12 @@ pub enum Error {
         /// Symbol of the axis's unit.
         symbol: &'static str,
     },
+    /// The unit was reset.
+    #[error("the unit was reset meanwhile: begin again")]
+    Reset,
+    /// The unit cannot keep what it found.
+    #[error("the flash of the unit failed: nothing has changed; see `tempco faults`")]
+    Flash,
     /// The unit did not take the new table into use.
     #[error(
         "the unit took the table, but after its reset it runs on {}: its log says why",

@@ -59,19 +59,37 @@ pub fn flash_set(
     }
     let crc = CRC.checksum(image);
     unit.command(&Request::UploadCommit { len, crc })?;
-    match unit.command(&Request::Activate(before.spare)) {
+    let after = activate(unit, before.spare)?;
+    if after.table_crc == table_crc {
+        Ok(after)
+    } else {
+        Err(not_in_use(&after))
+    }
+}
+
+/// Has the unit reset itself and run on the table in a bank, waits for its boot and asks what it is:
+/// the roll-back to the table before.
+///
+/// # Errors
+/// There is no good table in the bank; a unit that runs on the other one after its reset.
+pub fn activate(unit: &mut Unit, bank: Bank) -> Result<Identity, Error> {
+    match unit.command(&Request::Activate(bank)) {
         // The answer was lost, and the unit has reset itself before it was asked again.
         Err(Error::SessionLost { .. }) => {}
         other => other?,
     }
     unit.reconnect()?;
     let after = unit.identify()?;
-    if after.table_crc == table_crc && after.bank == Some(before.spare) {
+    if after.bank == Some(bank) {
         Ok(after)
     } else {
-        Err(Error::NotInUse {
-            found: after.bank.map(|_| after.table_crc),
-        })
+        Err(not_in_use(&after))
+    }
+}
+
+fn not_in_use(after: &Identity) -> Error {
+    Error::NotInUse {
+        found: after.bank.map(|_| after.table_crc),
     }
 }
 

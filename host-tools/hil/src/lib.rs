@@ -5,7 +5,8 @@
 //!
 //! - [`open`]: a serial port, or the socket of an emulator
 //! - [`Unit`]: a session with a unit
-//! - [`flash_set`], [`download`]: its tables
+//! - [`flash_set`], [`activate`], [`download`]: its tables
+//! - [`re_zero`]: its constant biases
 //! - [`replay`]: a log through the unit and through the host, bit by bit
 //!
 //! The bytes on the wire are those of `tempco-link`, which firmware and host compile alike; what a
@@ -28,9 +29,11 @@ mod error;
 mod flash;
 mod port;
 pub mod replay;
+mod rezero;
 mod unit;
 
 pub use error::Error;
-pub use flash::{Shape, download, flash_set};
+pub use flash::{Shape, activate, download, flash_set};
 pub use port::{Port, open};
+pub use rezero::{ReZeroed, re_zero};
 pub use unit::{Identity, Patience, Unit};

@@ -47,7 +47,7 @@ mod version1;
 pub use axis::{AxisSet, AxisStatistics, CoefficientSigmas, GainSet, NoiseSet};
 pub use check::SCALE_FACTORS_ARCSEC;
 pub use dispatch::{ShapeUse, TableUse, use_axis, use_shape, use_tables};
-pub use emit::{set_of_image, table_bin, table_h, table_rs};
+pub use emit::{axis_unit, set_of_image, table_bin, table_h, table_rs};
 pub use extent::{Extent, TooFast};
 pub use folder::{MARK, REPORT, TABLE_BIN, WriteError, file_names, strangers, write_set};
 pub use history::{HistoryGain, HistoryTerm};

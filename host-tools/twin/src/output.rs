@@ -47,7 +47,7 @@ impl RateUnit {
 
 impl Output {
     /// Angle of a rate unit times s, arcsec.
-    pub(crate) const fn arcsec_per_angle(self, rate_unit: RateUnit) -> f64 {
+    pub const fn arcsec_per_angle(self, rate_unit: RateUnit) -> f64 {
         match (rate_unit, self) {
             (
                 RateUnit::PulsesPerS,

@@ -7,7 +7,8 @@ use crate::build;
 use crate::segment::Overlap;
 use crate::{AxisSet, ChannelSet, CoefficientSet, Model, Provenance, Settings, TableData};
 
-fn axis_unit(unit: Unit) -> AxisUnit {
+/// The unit of an axis by its code in an image.
+pub fn axis_unit(unit: Unit) -> AxisUnit {
     match unit {
         Unit::Dph => AxisUnit::Dph,
         Unit::Dps => AxisUnit::Dps,

@@ -6,7 +6,7 @@ pub(crate) mod table_bin;
 pub(crate) mod table_h;
 pub(crate) mod table_rs;
 
-pub use from_image::set_of_image;
+pub use from_image::{axis_unit, set_of_image};
 pub use table_bin::table_bin;
 pub use table_h::table_h;
 pub use table_rs::table_rs;

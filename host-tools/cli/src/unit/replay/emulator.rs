@@ -7,9 +7,9 @@ use tempco_hil::{Patience, Unit, flash_set, open};
 use tempco_qemu::{Board, Machine, MachineOptions, MachineTime, Variant};
 use tempco_set::table_bin;
 
-use super::firmware::build;
 use super::{Differences, Replay, hardware, semihosting};
 use crate::output::print;
+use crate::unit::firmware::build;
 
 /// An instruction takes 32 ns of emulated time, about as on the board with its 25 MHz: load and
 /// latency do not depend on this machine.
@@ -54,7 +54,7 @@ impl EmulatorArgs {
 
 /// On an emulated unit, into which the set is written first.
 fn in_machine(put: &Replay, board: Board, real_time: bool) -> Result<Differences> {
-    let elf = build(put, board, "unit", &Variant::APPLICATION)?;
+    let elf = build(Some(put.set), board, "unit", &Variant::APPLICATION)?;
     let options = MachineOptions {
         time: TIME,
         ..MachineOptions::default()

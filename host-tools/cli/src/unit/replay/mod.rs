@@ -3,8 +3,6 @@
 // QEMU is driven over unix-domain sockets.
 #[cfg_attr(not(unix), path = "no_emulator.rs")]
 mod emulator;
-#[cfg(unix)]
-mod firmware;
 mod hardware;
 #[cfg(unix)]
 mod semihosting;

@@ -6,15 +6,15 @@ use tempco_qemu::{Board, Variant, replay};
 use tempco_replay::{Header, Outcome, Record};
 use tempco_set::{TableData, TableUse, use_tables};
 
-use super::firmware::build;
 use super::{Differences, Replay};
 use crate::output::print;
+use crate::unit::firmware::build;
 
 /// Builds the firmware with the table of the set, runs it over the log, and prints its messages.
 pub(super) fn in_qemu(put: &Replay, board: Board) -> Result<Differences> {
     let tables: Vec<&TableData> = put.inputs.iter().map(|i| &i.channel.table).collect();
     let streams = use_tables(&tables, MakeStreams(put))??;
-    let image = build(put, board, "replay", &Variant::USUAL)?;
+    let image = build(Some(put.set), board, "replay", &Variant::USUAL)?;
     let (outcomes, run) = replay(&image, board, &streams.samples)?;
     for line in &run.log {
         print(format_args!("{board}: {line}"))?;
