@@ -3,8 +3,8 @@
 use anyhow::{Result, ensure};
 use tempco_qemu::{Board, Workspace, ensure_program, ensure_qemu, ensure_target, ensure_target_of};
 
-use crate::run::{cargo, run as step, run_and_read};
-use crate::{python, windows};
+use crate::run::{cargo, run as step};
+use crate::{programs, python, windows};
 
 const FIRMWARE: &str = "tempco-firmware";
 const TEST_IMAGES: &str = "tempco-test-images";
@@ -68,17 +68,17 @@ pub(crate) fn run() -> Result<()> {
     let mut doc = cargo(&workspace, &["doc", "--workspace", "--no-deps", "--locked"]);
     step(&workspace, doc.env("RUSTDOCFLAGS", "-D warnings"))?;
 
-    // `--no-fail-fast`: the count at the end is of all tests.
-    let mut test = cargo(
-        &workspace,
-        &["test", "--workspace", "--no-fail-fast", "--locked"],
-    );
-    let (output, succeeded) = run_and_read(&workspace, &mut test)?;
-    let [passed, failed] = ["passed", "failed"].map(|what| count(&output, what));
-    if !succeeded || failed > 0 {
+    let ran = programs::run(&workspace)?;
+    let [passed, failed] = ["passed", "failed"].map(|what| {
+        let counts = ran.iter().map(|ran| count(&ran.output, what));
+        counts.sum::<u32>()
+    });
+    let bad = ran.iter().filter(|ran| !ran.succeeded);
+    let bad: Vec<&str> = bad.map(|ran| ran.name.as_str()).collect();
+    if !bad.is_empty() {
         println!("\n{passed} passed, {failed} failed");
     }
-    ensure!(succeeded && failed == 0, "tests failed");
+    ensure!(bad.is_empty(), "tests failed: {}", bad.join(", "));
     ensure!(passed > 0, "no test ran");
     let of_python = python::test(&workspace)?;
     let passed = passed + *of_python.as_ref().unwrap_or(&0);
