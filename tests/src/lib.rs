@@ -6,6 +6,7 @@ pub mod autopilot;
 pub mod browser;
 pub mod history;
 pub mod ln100;
+pub mod page;
 #[cfg(unix)]
 pub mod rig;
 

@@ -83,7 +83,11 @@ fn what_is_no_image_is_refused() {
     assert!(error.to_string().contains("no-such-image"), "{error}");
 }
 
-/// The timing promise of the core: no instruction more or less, whatever the data.
+/// Instructions of an empty function, which the image does not count and the documents do.
+const CALL: u32 = 3;
+
+/// The timing promise of the core: no instruction more or less, whatever the data. The page
+/// for who integrates the core has these figures.
 #[test]
 fn costs_do_not_depend_on_data_and_repeat_exactly() {
     let board = Board::Mps2An386;
@@ -97,16 +101,36 @@ fn costs_do_not_depend_on_data_and_repeat_exactly() {
     println!("{:#?}", first.log);
     assert!(first.succeeded());
     assert_eq!(first.log, second.log);
-    for name in ["step", "thermal", "subtract", "block8", "pulses"] {
-        let words: Vec<Vec<&str>> = first
-            .log
-            .iter()
-            .map(|line| line.split(' ').collect())
-            .collect();
-        let found = words.iter().find(|words| words[..2] == ["bench", name]);
-        let [_, _, min, max] = found.unwrap().as_slice() else {
-            panic!("{found:?}")
+    let words: Vec<Vec<&str>> = first
+        .log
+        .iter()
+        .map(|line| line.split(' ').collect())
+        .collect();
+    let numbers = |kind: &str, name: &str| {
+        let found = words.iter().find(|words| words[..2] == [kind, name]);
+        found.unwrap_or_else(|| panic!("{kind} {name}"))[2..].to_vec()
+    };
+    let cost = |name| {
+        let [min, max] = numbers("bench", name)[..] else {
+            panic!("{name}")
         };
         assert_eq!(min, max, "{name}");
+        min.parse::<u32>().unwrap() + CALL
+    };
+    let size = |name| numbers("size", name)[0];
+    let [step, thermal, correct, block, _] =
+        ["step", "thermal", "subtract", "block8", "pulses"].map(cost);
+
+    let page = fs::read_to_string(WORKSPACE.root().join("docs/porting.md")).unwrap();
+    for figures in [
+        format!("{thermal} per temperature (`update` and `publish`)"),
+        format!("{correct} per sample (`correct`), {block} per block of eight"),
+        format!("`step` of one rate {step}"),
+        format!("`ThermalHalf` {} bytes", size("thermal_half")),
+        format!("`RampBuffer` {}", size("ramp_buffer")),
+        format!("`Compensator` {}", size("compensator")),
+        format!("a `Table` {}", size("table")),
+    ] {
+        assert!(page.contains(&figures), "porting.md: {figures}");
     }
 }

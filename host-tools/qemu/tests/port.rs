@@ -1,11 +1,9 @@
-//! The pages on porting are followed: what they show is what is built and run here.
+//! What `docs/port-in-an-hour.md` shows is what is built and run here.
 #![cfg(unix)]
 
 mod support;
 
-use std::path::Path;
-use std::process::Command;
-use std::{env, fs};
+use std::fs;
 
 use support::{WORKSPACE, example, example_image};
 use tempco_hil::replay::{by_block, by_row};
@@ -73,57 +71,4 @@ fn the_smallest_board_runs_the_application() {
     assert_eq!(state.faults, FaultSet::NONE);
     assert_eq!((state.overruns, state.dropped_frames), (0, dropped_frames));
     assert!(state.raw.iter().all(|raw| *raw > 1e7), "{:?}", state.raw);
-}
-
-/// The path in the comment that a block begins with.
-fn name(block: &str) -> Option<&str> {
-    let first = block.lines().next()?;
-    let name = ["# ", "// ", "/* "]
-        .iter()
-        .find_map(|comment| first.strip_prefix(comment))?;
-    Some(name.trim_end_matches(" */"))
-}
-
-/// Writes the files that a page shows.
-fn write_files(page: &str, folder: &Path) -> usize {
-    let blocks = page.split("\n```").skip(1).step_by(2);
-    let blocks = blocks.filter_map(|block| Some(block.split_once('\n')?.1));
-    let files = blocks.filter_map(|block| Some((name(block)?, block)));
-    files
-        .map(|(name, contents)| {
-            let path = folder.join(name);
-            fs::create_dir_all(path.parent().unwrap()).unwrap();
-            fs::write(path, contents).unwrap();
-        })
-        .count()
-}
-
-#[test]
-fn the_crate_of_the_page_builds_and_runs() {
-    let folder = tempfile::tempdir().unwrap();
-    let root = folder.path().join("my-gyro");
-    assert_eq!(write_files(&text("docs/porting.md"), &root), 4);
-    std::os::unix::fs::symlink(WORKSPACE.root(), folder.path().join("tempco")).unwrap();
-    fs::create_dir(root.join("set")).unwrap();
-    fs::write(
-        root.join("set/table.rs"),
-        text("firmware/tables/example.rs"),
-    )
-    .unwrap();
-    fs::write(root.join("set/table.bin"), example_image()).unwrap();
-    // So that nothing newer is looked for.
-    fs::write(root.join("Cargo.lock"), text("Cargo.lock")).unwrap();
-
-    let cargo = env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    let output = Command::new(cargo)
-        .current_dir(&root)
-        .args(["run", "--quiet", "--release", "--offline", "--target-dir"])
-        // What others have built of its dependencies is not built again.
-        .arg(env::current_exe().unwrap().ancestors().nth(3).unwrap())
-        .output()
-        .unwrap();
-    let said = [output.stdout, output.stderr].concat();
-    let said = String::from_utf8_lossy(&said);
-    assert!(output.status.success(), "{said}");
-    assert!(said.contains("Valid: bias ["), "{said}");
 }

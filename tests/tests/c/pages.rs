@@ -1,21 +1,15 @@
 //! The pages for C are followed to the letter, from the zip, in a folder outside of the workspace.
 
 use std::fs::{self, File};
-use std::path::Path;
 use std::process::Command;
 
 use tempco::{Corrector, Interval, RampBuffer, ThermalHalf};
 use tempco_image::{AlignedBytes, Image};
 use tempco_qemu::ensure_program;
-use tempco_tests::{Bench, root, tempco_path};
+use tempco_tests::page::{blocks, file_name, follow, shell};
+use tempco_tests::{Bench, root};
 
 use crate::support::{PACKAGE, POSIX_COMPILERS, WARNINGS, WORKSPACE, arm_gcc, package, path, said};
-
-/// The blocks of a page, each with its language.
-fn blocks(page: &str) -> Vec<(&str, &str)> {
-    let parts = page.split("\n```").skip(1).step_by(2);
-    parts.filter_map(|part| part.split_once('\n')).collect()
-}
 
 fn text(name: &str) -> String {
     fs::read_to_string(root().join(name)).unwrap()
@@ -32,43 +26,6 @@ fn scratch() -> Bench {
     let name = package().file_stem().unwrap();
     fs::rename(bench.path(&name.to_string_lossy()), bench.path("tempco")).unwrap();
     bench
-}
-
-/// Runs lines of a shell with the `tempco` command at hand; returns what they say.
-fn shell(folder: &Path, script: &str) -> String {
-    let path = std::env::var("PATH").unwrap();
-    let command = tempco_path().parent().unwrap().display();
-    let mut shell = Command::new("sh");
-    shell
-        .args(["-e", "-c", script])
-        .current_dir(folder)
-        .env("PATH", format!("{command}:{path}"));
-    said(&mut shell)
-}
-
-/// Writes the files of a page and runs its commands, in order; returns what they say.
-fn follow(page: &str, folder: &Path) -> String {
-    let mut said = String::new();
-    for (language, block) in blocks(page) {
-        match language {
-            "sh" => said += &shell(folder, block),
-            "console" => {
-                let lines = block.lines().filter_map(|line| line.strip_prefix("$ "));
-                said += &lines.map(|line| shell(folder, line)).collect::<String>();
-            }
-            "c" => {
-                let first = block.lines().next().unwrap();
-                let name = first
-                    .strip_prefix("/* ")
-                    .and_then(|name| name.strip_suffix(" */"));
-                if let Some(name) = name {
-                    fs::write(folder.join(name), block).unwrap();
-                }
-            }
-            _ => {}
-        }
-    }
-    said
 }
 
 /// What `gyro.c` of the page puts out, by the core.
@@ -98,7 +55,7 @@ fn the_guide_leads_to_a_unit_that_runs() {
         return;
     }
     let bench = scratch();
-    let said = follow(&text("docs/c.md"), &bench.path(""));
+    let said = follow(&text("docs/c.md"), &bench.path(""), &[]);
     let expected = expected(&fs::read(bench.path("set/table.bin")).unwrap());
     assert!(said.contains(&expected), "{expected}\n{said}");
 }
@@ -110,7 +67,7 @@ fn the_page_in_the_zip_works() {
     }
     let bench = scratch();
     let page = fs::read_to_string(bench.path("tempco/README.md")).unwrap();
-    let said = follow(&page, &bench.path("tempco"));
+    let said = follow(&page, &bench.path("tempco"), &[]);
     assert!(said.contains("usage: apply table.bin log.csv"), "{said}");
     assert!(said.contains("x y z "), "{said}");
 }
@@ -122,7 +79,7 @@ fn fragments_compile() {
         let text = text(page);
         let of_page = blocks(&text).into_iter();
         let of_page: Vec<_> = of_page
-            .filter(|(language, block)| *language == "c" && !block.starts_with("/* gyro.c"))
+            .filter(|(language, block)| *language == "c" && file_name(block).is_none())
             .collect();
         assert_eq!(of_page.len(), fragments, "{page}");
         for (_, fragment) in of_page {
@@ -174,8 +131,12 @@ fn cmake_finds_the_archive() {
     };
     bench.write("CMakeLists.txt", &project("tempco/examples/apply/apply.c"));
     let folder = bench.path("");
-    shell(&folder, "cmake -S . -B here >&2 && cmake --build here >&2");
-    let said = shell(&folder, "here/firmware || true");
+    shell(
+        &folder,
+        "cmake -S . -B here >&2 && cmake --build here >&2",
+        &[],
+    );
+    let said = shell(&folder, "here/firmware || true", &[]);
     assert!(said.contains("usage: apply"), "{said}");
     if arm_gcc().is_none() {
         return;
@@ -190,7 +151,7 @@ fn cmake_finds_the_archive() {
          -DCMAKE_EXE_LINKER_FLAGS='-T {}/{board}/mps2-an386.ld' >&2 && cmake --build board -v",
         folder.display()
     );
-    let said = shell(&folder, &script);
+    let said = shell(&folder, &script, &[]);
     assert!(
         said.contains("lib/thumbv7em-none-eabihf/libtempco.a"),
         "{said}"
