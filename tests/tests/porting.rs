@@ -16,7 +16,7 @@ fn page() -> String {
     fs::read_to_string(root().join("docs/porting.md")).unwrap()
 }
 
-/// What of the page is built with: its versions are those of the checkout.
+/// Brings what the programs of the page are built with, in the versions of the checkout.
 fn fetch(workspace: &Workspace) {
     let mut fetch = Command::new("cargo");
     fetch
@@ -33,8 +33,8 @@ fn cell_bytes(image: &[u8]) -> u64 {
     size_of_val(image.table::<3>(0).unwrap().cells()) as u64
 }
 
-/// The three programs build without a warning and run in QEMU; the log of the first is, byte for
-/// byte, what `tempco apply` makes of it, by `cmp` of the page.
+/// The three programs build without a warning and run in QEMU; the `cmp` of the page finds
+/// no byte that differs between the log of the first and what `tempco apply` computes.
 #[test]
 fn the_page_leads_to_units_that_run() {
     let workspace = Workspace::find().unwrap();

@@ -145,8 +145,28 @@ fn the_board_comes_up_and_its_devices_answer() {
     assert_eq!(echo, sent);
 
     let log = wait_for(&machine, "info link");
+    println!("{log:#?}");
     let lost = numbers(&log[log.len() - 1]);
     assert_eq!(lost, [0, 0, 0], "bytes were lost: {log:#?}");
+
+    let page = fs::read_to_string(WORKSPACE.root().join("docs/board-stm32f405.md")).unwrap();
+    let shown = page.split("<!-- bringup -->\n```text\n").nth(1).unwrap();
+    let shown = shown.split("```").next().unwrap();
+    let log: Vec<String> = log.iter().map(|line| constant(line)).collect();
+    let expected: Vec<String> = shown.lines().map(constant).collect();
+    assert_eq!(log, expected, "{log:#?}");
+}
+
+/// A line of the log, without what differs from run to run: level, counts, first words of the flash.
+fn constant(line: &str) -> String {
+    let message = line.strip_prefix("info ").unwrap_or(line);
+    if message.starts_with("counts") {
+        message.replace(|c: char| c.is_ascii_digit() || c == '-', "")
+    } else if message.starts_with("flash") {
+        message.rsplit_once(' ').unwrap().0.to_owned()
+    } else {
+        message.to_owned()
+    }
 }
 
 /// The flash of a unit that was given the example table, and then one that does not fit its board,
