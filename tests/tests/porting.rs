@@ -57,7 +57,7 @@ fn the_page_leads_to_units_that_run() {
     let said = follow(&page, &folder, &environment);
     println!("{said}");
     assert!(!said.contains("warning"), "{said}");
-    let outcome = page.split("prints how validity goes:").nth(1).unwrap();
+    let outcome = page.split("prints when the validity changes:").nth(1).unwrap();
     let outcome = outcome.split("```").nth(1).unwrap();
     let outcome = outcome.strip_prefix("text\n").unwrap();
     assert!(outcome.contains("Degraded"), "{outcome}");
