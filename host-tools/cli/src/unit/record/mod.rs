@@ -32,8 +32,8 @@ const RETRY: Duration = Duration::from_millis(500);
 /// before, and flags. `tempco fit` takes the file as it is.
 ///
 /// Every row is in the file as soon as it has come. A lost line is waited for. A row after missing
-/// ones says why in its column `gap`: `lost` messages, a `line` that was away, or a `reset`. A file
-/// that exists is not written to.
+/// ones says why in its column `gap`: `lost` messages, a `line` that was away, a `reset`, or
+/// `invalid` samples. A file that exists is not written to.
 #[derive(clap::Args)]
 #[command(after_help = "Example: tempco record --port /dev/ttyUSB0 --out chamber.csv")]
 pub(crate) struct Args {
@@ -112,10 +112,10 @@ impl<'a> Recorder<'a> {
         loop {
             match self.next() {
                 Ok(telemetry) => {
-                    self.heard = Instant::now();
                     self.take(&telemetry)?;
+                    self.heard = Instant::now();
                     if self.is_over(0.0) {
-                        // It would go on sending; that it has ended is none of its matter.
+                        // It would go on sending. A failure changes nothing in the log.
                         _ = self.unit.telemetry(0);
                         return Ok(true);
                     }
@@ -150,6 +150,10 @@ impl<'a> Recorder<'a> {
 
     /// Writes a row.
     fn take(&mut self, telemetry: &Telemetry) -> Result<()> {
+        if !telemetry.raw.iter().all(|raw| raw.is_finite()) {
+            self.timeline.mark(Gap::Invalid);
+            return Ok(());
+        }
         let since = self.heard.elapsed();
         let (time_ms, gap) = self.timeline.take(telemetry, since);
         let row = self.rows.row(time_ms, telemetry, gap);

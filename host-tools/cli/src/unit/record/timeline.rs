@@ -13,6 +13,8 @@ pub(super) enum Gap {
     Line,
     /// The unit was reset: its time began again.
     Reset,
+    /// The gyro gave no valid sample.
+    Invalid,
 }
 
 impl Gap {
@@ -22,6 +24,7 @@ impl Gap {
             Self::Lost => "lost",
             Self::Line => "line",
             Self::Reset => "reset",
+            Self::Invalid => "invalid",
         }
     }
 }
