@@ -1,4 +1,4 @@
-//! Temperature sensors for tempco, over embedded-hal 1.0.
+//! Temperature sensors and a gyro for tempco, over embedded-hal 1.0.
 //!
 //! | sensor | chip | conversion |
 //! |---|---|---|
@@ -14,6 +14,8 @@
 //! The TMP117 is driven by the crate `tmp117`. For the MAX31865 and the ADS1220 there was no
 //! maintained crate for embedded-hal 1.0.
 //!
+//! The gyro is an ICM-42688-P ([`icm42688`]), read in blocks from its FIFO.
+//!
 //! Conversions are in f64 by `libm`, so that a host finds the same values; they run as often as
 //! temperatures are measured, not per gyro sample.
 #![no_std]
@@ -22,6 +24,7 @@
 mod ads1220;
 mod chip_select;
 mod divider;
+pub mod icm42688;
 mod max31865;
 mod platinum;
 mod thermistor;
