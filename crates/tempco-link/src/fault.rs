@@ -53,11 +53,15 @@ pub enum Fault {
     Clock,
     /// The last re-zero was given up; the constant biases are those before it.
     ReZero,
+    /// A gyro with a clock of its own gives no samples.
+    GyroSilent,
+    /// Samples of a gyro were ready, and its data-ready line did not say so.
+    DataReady,
 }
 
 impl Fault {
     /// Every fault, by its code.
-    pub const ALL: [Self; 21] = [
+    pub const ALL: [Self; 23] = [
         Self::NoTable,
         Self::SpareTable,
         Self::Flash,
@@ -79,6 +83,8 @@ impl Fault {
         Self::BrownOut,
         Self::Clock,
         Self::ReZero,
+        Self::GyroSilent,
+        Self::DataReady,
     ];
 
     /// The code, as in a fault log.
@@ -95,7 +101,11 @@ impl Fault {
     pub const fn is_invalidating(self) -> bool {
         matches!(
             self,
-            Self::NoTable | Self::KnownAnswer | Self::TemperatureLost | Self::RawInvalid
+            Self::NoTable
+                | Self::KnownAnswer
+                | Self::TemperatureLost
+                | Self::RawInvalid
+                | Self::GyroSilent
         )
     }
 
@@ -123,6 +133,8 @@ impl Fault {
             Self::BrownOut => "brown-out",
             Self::Clock => "clock",
             Self::ReZero => "re-zero",
+            Self::GyroSilent => "gyro silent",
+            Self::DataReady => "data ready",
         }
     }
 }

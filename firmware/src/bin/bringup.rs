@@ -23,7 +23,7 @@ mod image {
     use tempco::Status;
     use tempco_firmware::board::BOARD;
     use tempco_firmware::board::stm32f405::{
-        self, AXES, Counters, REGIONS, SENSORS, Stm32f405, Usart,
+        self, AXES, BoardGyro, REGIONS, SENSORS, Stm32f405, Usart,
     };
     use tempco_firmware::target::{banner, exit};
     use tempco_firmware::unit::devices::{Gyro, Thermometers, Watchdog};
@@ -35,7 +35,7 @@ mod image {
     const SAMPLES_PER_READING: u32 = SAMPLE_RATE_HZ / 10;
     const WATCHDOG_MS: u32 = 10_000;
 
-    static COUNTERS: Mutex<RefCell<Option<Counters>>> = Mutex::new(RefCell::new(None));
+    static GYRO: Mutex<RefCell<Option<BoardGyro>>> = Mutex::new(RefCell::new(None));
     static SAMPLES: AtomicU32 = AtomicU32::new(0);
     static COUNTS: [AtomicI32; AXES] = [const { AtomicI32::new(0) }; AXES];
 
@@ -64,7 +64,7 @@ mod image {
         }
 
         devices.watchdog.start(WATCHDOG_MS);
-        interrupt::free(|cs| COUNTERS.borrow(cs).replace(Some(gyro)));
+        interrupt::free(|cs| GYRO.borrow(cs).replace(Some(gyro)));
         core.SYST.set_clock_source(SystClkSource::Core);
         core.SYST.set_reload(BOARD.systick_hz / SAMPLE_RATE_HZ - 1);
         core.SYST.clear_current();
@@ -127,13 +127,15 @@ mod image {
     /// Load and store suffice: there is one writer.
     #[exception]
     fn SysTick() {
-        static mut MINE: Option<Counters> = None;
+        static mut MINE: Option<BoardGyro> = None;
 
         if MINE.is_none() {
-            *MINE = interrupt::free(|cs| COUNTERS.borrow(cs).take());
+            *MINE = interrupt::free(|cs| GYRO.borrow(cs).take());
         }
         let Some(gyro) = MINE else { return };
-        let counts: [[i32; AXES]; 1] = gyro.counts();
+        let Some(counts): Option<[[i32; AXES]; 1]> = gyro.sample() else {
+            return;
+        };
         for (sum, count) in COUNTS.iter().zip(counts[0]) {
             sum.store(
                 sum.load(Ordering::Relaxed).wrapping_add(count),

@@ -91,7 +91,7 @@ mod image {
         let exchange = singleton!(: Exchange<CHANNELS, AXES> = Exchange::new())?;
         let (interrupt_ends, ends) = exchange.split(&COUNTS);
         let scale = scale::<BoardGyro, CHANNELS, AXES>(&UNITS, SCHEDULE.sample_rate_hz);
-        let limits = Limits::of::<BoardGyro>(&scale, SCHEDULE.sample_rate_hz);
+        let limits = Limits::of::<BoardGyro>(&UNITS);
         let kept = storage.offsets(tables.map_or(0, |(_, crc)| crc));
         let offsets = Offsets::new(kept, limits);
         let sampling = Sampling::new(gyro, interrupt_ends, scale);

@@ -8,34 +8,90 @@ use tempco_sensors::SensorFault;
 use tempco_store::Region;
 
 /// The gyro's electronics; used by the sampling interrupt alone, and must not wait for anything.
+///
+/// A gyro whose pulses are counted has a sample at every interrupt of the timer. A gyro with a clock
+/// of its own has none, one or several at any interrupt, and may ask for an interrupt when it has
+/// one; the timer then watches it ([`Clock::Own`]).
 pub trait Gyro<const C: usize, const A: usize> {
-    /// Pulses of the gyro per count; a quarter where every edge of two waves in quadrature counts.
-    const PULSES_PER_COUNT: f32;
+    /// What lets it take samples.
+    const CLOCK: Clock = Clock::Timer;
 
-    /// Scale factor of the gyro: a table of angles must be of this one \[arcsec/pulse\].
-    const SCALE_FACTOR_ARCSEC: f32;
+    /// What a count of each axis is.
+    const COUNTS: [[Count; A]; C];
+
+    /// The count that marks an axis of a sample as not valid, where the part has one.
+    const INVALID: Option<i32> = None;
+
+    /// Scale factor of the gyro: a table of angles must be of this one; 0 where the counts are rates
+    /// \[arcsec/pulse\].
+    const SCALE_FACTOR_ARCSEC: f32 = 0.0;
 
     /// What it shows at rest; re-zero gives up beyond.
     const AT_REST: AtRest;
 
     /// The largest bias that a table may have, by the bound of
-    /// [`Channel::max_bias`](tempco_image::Channel::max_bias) \[counts/s\].
+    /// [`Channel::max_bias`](tempco_image::Channel::max_bias) \[counts/s, of rates counts\].
     const MAX_TABLE_BIAS: f32;
 
-    /// Counts since the last call, channel by channel.
-    fn counts(&mut self) -> [[i32; A]; C];
+    /// The next sample in counts, channel by channel. With [`Clock::Timer`] the counts since the last
+    /// call, once per period. With [`Clock::Own`] the oldest sample that has not been handed out, if
+    /// there is one: it is called until there is none.
+    fn sample(&mut self) -> Option<[[i32; A]; C]>;
+
+    /// What went wrong since the last call; with [`Clock::Own`] only.
+    fn lost(&mut self) -> Lost {
+        Lost::default()
+    }
+
+    /// No sample has come for long: starts another look at the part, whose samples then come with a
+    /// later interrupt. With [`Clock::Own`] only.
+    fn look(&mut self) {}
 
     /// Sends a sample to where the unit's output goes: without its bias \[unit of the axis\], and the
-    /// flags of each channel.
+    /// flags of each channel. A sample that is not valid is NaN.
     fn put(&mut self, compensated: &[[f32; A]; C], status: &[Status; C]);
+}
+
+/// What lets a gyro take samples.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Clock {
+    /// The timer of the sampling interrupt, at every period.
+    Timer,
+    /// A clock of the part, nominally as fast as the timer. Samples may come in blocks.
+    Own {
+        /// Periods of the timer without a sample from which on [`Gyro::look`] is called, at least 1;
+        /// more than a block takes.
+        look_after: u16,
+        /// Periods without a sample from which on the gyro is silent: the output is marked invalid.
+        silent_after: u16,
+    },
+}
+
+/// What a count of an axis is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Count {
+    /// An increment of angle \[pulses\]: a quarter where every edge of two waves in quadrature counts.
+    Pulses(f32),
+    /// A rate \[deg/s\].
+    Rate(f32),
+}
+
+/// What went wrong with the samples of a gyro that has a clock of its own.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Lost {
+    /// Samples that were lost, as far as the part lets it be known; at least 1 if any was.
+    pub samples: u32,
+    /// Samples that were ready without word from the data-ready line.
+    pub data_ready: u32,
 }
 
 /// What a gyro shows at rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AtRest {
-    /// Standard deviation of means over the time between two temperatures \[counts/s\].
+    /// Standard deviation of means over the time between two temperatures \[counts/s, of rates
+    /// counts\].
     pub sigma: f32,
-    /// The largest constant bias that re-zero may take out \[counts/s\].
+    /// The largest constant bias that re-zero may take out \[counts/s, of rates counts\].
     pub max_bias: f32,
 }
 

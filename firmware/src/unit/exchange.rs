@@ -35,48 +35,67 @@ pub struct Reply<const C: usize, const A: usize> {
     pub status: [Status; C],
 }
 
-/// Counts of the sampling interrupt, for all to read.
+/// Counts of the sampling interrupt since power-on, for all to read.
 #[derive(Debug, Default)]
 pub struct Counts {
-    /// Gyro samples that were taken since power-on.
-    pub samples: AtomicU32,
-    /// Periods of the sampling timer in which no sample was taken.
+    /// Periods of the sampling timer with an interrupt.
+    pub ticks: AtomicU32,
+    /// Periods of the sampling timer without one.
     pub missed: AtomicU32,
+    /// Gyro samples that were taken.
+    pub samples: AtomicU32,
+    /// Gyro samples that were lost.
+    pub lost: AtomicU32,
+    /// Samples that a gyro with a clock of its own had ready without a word.
+    pub data_ready: AtomicU32,
+    /// Interrupts of the timer at which a gyro with a clock of its own was silent.
+    pub silent: AtomicU32,
     /// Moments that found no place.
     pub lost_moments: AtomicU32,
     /// Replies to replayed samples that found no place.
     pub lost_replies: AtomicU32,
-    /// Longest time from the interrupt to the output \[counts of the timer\].
+    /// Longest time to the output of a sample: from when it was due, or with a clock of its own from
+    /// the interrupt that took it \[counts of the timer\].
     pub latency: AtomicU32,
 }
 
 impl Counts {
     /// Nothing counted yet.
     pub const fn new() -> Self {
+        const ZERO: AtomicU32 = AtomicU32::new(0);
         Self {
-            samples: AtomicU32::new(0),
-            missed: AtomicU32::new(0),
-            lost_moments: AtomicU32::new(0),
-            lost_replies: AtomicU32::new(0),
-            latency: AtomicU32::new(0),
+            ticks: ZERO,
+            missed: ZERO,
+            samples: ZERO,
+            lost: ZERO,
+            data_ready: ZERO,
+            silent: ZERO,
+            lost_moments: ZERO,
+            lost_replies: ZERO,
+            latency: ZERO,
         }
     }
 
-    /// Gyro samples that were taken since power-on.
+    /// Interrupts of the sampling timer.
+    pub fn ticks(&self) -> u32 {
+        self.ticks.load(Ordering::Relaxed)
+    }
+
+    /// Periods of the sampling timer: the time of the unit.
+    pub fn periods(&self) -> u32 {
+        let missed = self.missed.load(Ordering::Relaxed);
+        self.ticks().wrapping_add(missed)
+    }
+
+    /// Gyro samples that were taken.
     pub fn samples(&self) -> u32 {
         self.samples.load(Ordering::Relaxed)
     }
 
-    /// Periods of the sampling timer since power-on: the time of the unit.
-    pub fn periods(&self) -> u32 {
-        self.samples()
-            .wrapping_add(self.missed.load(Ordering::Relaxed))
-    }
-
-    /// What was lost since power-on.
+    /// What was lost.
     pub fn losses(&self) -> Losses {
         Losses {
-            missed_samples: self.missed.load(Ordering::Relaxed),
+            missed_samples: self.lost.load(Ordering::Relaxed),
             moments: self.lost_moments.load(Ordering::Relaxed),
             replies: self.lost_replies.load(Ordering::Relaxed),
         }

@@ -63,10 +63,17 @@ pub const AXES: usize = table::AXES;
 /// Serial number of the unit: only tables of this one are taken.
 pub const SERIAL: &str = table::SERIAL;
 
-/// Gyro samples at 2 kHz, temperatures at 10 Hz.
-pub const SCHEDULE: Schedule = Schedule {
-    sample_rate_hz: 2000.0,
-    samples_per_update: 200,
+/// Gyro samples at 2 kHz, or 8 kHz with the feature `rate-8khz`; temperatures at 10 Hz.
+pub const SCHEDULE: Schedule = if cfg!(feature = "rate-8khz") {
+    Schedule {
+        sample_rate_hz: 8000.0,
+        samples_per_update: 800,
+    }
+} else {
+    Schedule {
+        sample_rate_hz: 2000.0,
+        samples_per_update: 200,
+    }
 };
 
 /// Time without a sign of life after which the watchdog resets the unit \[ms\].

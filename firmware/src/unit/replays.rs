@@ -119,9 +119,9 @@ where
     /// What the interrupt made of the next injected sample; none if it did not come in time.
     fn reply(&mut self, real_time: bool) -> Option<Reply<C, A>> {
         const LATEST: u32 = 4;
-        let from = self.ends.counts.samples();
-        // Other interrupts end a sleep too, so it is the gyro's samples that count.
-        while self.ends.counts.samples().wrapping_sub(from) < LATEST {
+        let from = self.ends.counts.ticks();
+        // Other interrupts end a sleep too, so it is the timer's that count.
+        while self.ends.counts.ticks().wrapping_sub(from) < LATEST {
             if let Some(reply) = self.ends.replies.dequeue() {
                 return Some(reply);
             }

@@ -4,8 +4,10 @@
 //! far beyond the gyro's noise, and what it finds is not kept beyond a limit.
 
 use tempco::{Status, Validity};
+use tempco_image::Unit as AxisUnit;
 
 use super::devices::Gyro;
+use super::fit::per_count;
 use super::mean::Mean;
 
 /// What a gyro at rest stays within.
@@ -18,11 +20,10 @@ pub struct Limits<const C: usize, const A: usize> {
 }
 
 impl<const C: usize, const A: usize> Limits<C, A> {
-    /// Those of a gyro whose counts per sample become the unit of each axis by `scale`.
-    pub fn of<G: Gyro<C, A>>(scale: &[[f32; A]; C], sample_rate_hz: f32) -> Self {
-        let in_unit = |counts_per_s: f32| {
-            scale.map(|axes| axes.map(|scale| counts_per_s * scale / sample_rate_hz))
-        };
+    /// Those of a gyro whose axes have these units.
+    pub fn of<G: Gyro<C, A>>(units: &[[AxisUnit; A]; C]) -> Self {
+        let per_count = per_count::<G, C, A>(units);
+        let in_unit = |counts: f32| per_count.map(|axes| axes.map(|unit| counts * unit));
         Self {
             sigma: in_unit(G::AT_REST.sigma),
             max_bias: in_unit(G::AT_REST.max_bias),

@@ -4,7 +4,7 @@ use core::sync::atomic::{AtomicU32, Ordering};
 
 use tempco::{Corrector, Status};
 
-use super::devices::{Gyro, SampleClock};
+use super::devices::{Clock, Gyro, Lost, SampleClock};
 use super::exchange::{InterruptEnds, Moment, Reply};
 
 /// The interrupt's own state. Nothing in it waits, and nothing depends on what a sample is.
@@ -15,9 +15,12 @@ pub struct Sampling<'t, G, const C: usize, const A: usize> {
     scale: [[f32; A]; C],
     correctors: [Corrector<'t, A>; C],
     replay_correctors: [Corrector<'t, A>; C],
-    /// The free-running counter at the last sample, and when the period of that began.
+    /// The free-running counter at the last period, and when that began.
     free: u32,
     begun: u32,
+    /// Periods since the last sample of a gyro with a clock of its own, and since the last look.
+    silent: u16,
+    unwatched: u16,
 }
 
 impl<'t, G: Gyro<C, A>, const C: usize, const A: usize> Sampling<'t, G, C, A> {
@@ -31,6 +34,8 @@ impl<'t, G: Gyro<C, A>, const C: usize, const A: usize> Sampling<'t, G, C, A> {
             ends,
             free: 0,
             begun: 0,
+            silent: 0,
+            unwatched: 0,
         }
     }
 
@@ -40,34 +45,117 @@ impl<'t, G: Gyro<C, A>, const C: usize, const A: usize> Sampling<'t, G, C, A> {
         self.begun = self.free;
     }
 
-    /// Carries out an interrupt: the gyro's sample if the timer `is_due`, and one that is replayed
-    /// if there is one.
+    /// Carries out an interrupt, of the timer if it `is_due`: the samples that the gyro has, and one
+    /// that is replayed if there is one.
     pub fn interrupt<K: SampleClock>(&mut self, is_due: bool, clock: &K) {
         // Now, so that a period that begins between the two readings changes nothing below.
         let free = clock.free_running();
         let entry = clock.since_interrupt();
-        if is_due {
-            let counts = self.gyro.counts();
-            let raw = self.scaled(counts);
-            let (bias, status) = advance(&mut self.correctors);
-            self.gyro.put(&difference(&raw, &bias), &status);
-            let output = clock.since_interrupt();
-            // The timer may have come round meanwhile.
-            let round = if output < entry { clock.period() } else { 0 };
-            raise(&self.ends.counts.latency, output + round);
-            add(&self.ends.counts.samples, 1);
-            let moment = Moment { raw, bias, status };
-            if self.ends.moments.enqueue(moment).is_err() {
-                add(&self.ends.counts.lost_moments, 1);
+        let mut has_samples = false;
+        match G::CLOCK {
+            // The latency is from when the sample was due, which is when the period began.
+            Clock::Timer if is_due => self.sample(entry, clock),
+            Clock::Timer => {}
+            Clock::Own {
+                look_after,
+                silent_after,
+            } => {
+                has_samples = self.block(entry, clock);
+                if has_samples {
+                    (self.silent, self.unwatched) = (0, 0);
+                } else if is_due {
+                    self.watch(look_after, silent_after);
+                }
             }
+        }
+        if is_due {
+            add(&self.ends.counts.ticks, 1);
             self.count_missed::<K>(free, entry, clock.period());
         }
-        self.replay();
+        // An interrupt for the sake of samples is no further one for the replay.
+        if is_due || !has_samples {
+            self.replay();
+        }
     }
 
-    /// Counts the periods since the last sample in which none was taken: the interrupts of several
-    /// periods that could not come are one. A counter that stands still, such as one that an
-    /// emulator lacks, counts none.
+    /// The sample of a period.
+    fn sample<K: SampleClock>(&mut self, entry: u32, clock: &K) {
+        let Some(counts) = self.gyro.sample() else {
+            return;
+        };
+        let moment = self.give(self.scaled(counts));
+        self.raise_latency(0, entry, clock);
+        add(&self.ends.counts.samples, 1);
+        self.keep(moment);
+    }
+
+    /// All samples that a gyro with a clock of its own has; whether there were any. The latency is
+    /// from the interrupt to the last of them.
+    fn block<K: SampleClock>(&mut self, entry: u32, clock: &K) -> bool {
+        let mut count = 0;
+        while let Some(counts) = self.gyro.sample() {
+            let moment = self.give(self.scaled(counts));
+            self.keep(moment);
+            count += 1;
+        }
+        if count > 0 {
+            self.raise_latency(entry, entry, clock);
+            add(&self.ends.counts.samples, count);
+        }
+        let Lost {
+            samples,
+            data_ready,
+        } = self.gyro.lost();
+        add(&self.ends.counts.lost, samples);
+        add(&self.ends.counts.data_ready, data_ready);
+        count > 0
+    }
+
+    /// A period without a sample of a gyro that has a clock of its own.
+    fn watch(&mut self, look_after: u16, silent_after: u16) {
+        self.silent = self.silent.saturating_add(1);
+        self.unwatched += 1;
+        if self.unwatched >= look_after {
+            self.unwatched = 0;
+            self.gyro.look();
+        }
+        if self.silent >= silent_after {
+            add(&self.ends.counts.silent, 1);
+            let moment = self.give([[f32::NAN; A]; C]);
+            self.keep(moment);
+        }
+    }
+
+    /// Takes the bias out of a sample, and sends it on.
+    fn give(&mut self, raw: [[f32; A]; C]) -> Moment<C, A> {
+        let (bias, mut status) = advance(&mut self.correctors);
+        if G::INVALID.is_some() || matches!(G::CLOCK, Clock::Own { .. }) {
+            for (status, raw) in status.iter_mut().zip(&raw) {
+                *status |= Status::of_raw(raw);
+            }
+        }
+        self.gyro.put(&difference(&raw, &bias), &status);
+        Moment { raw, bias, status }
+    }
+
+    /// Keeps a sample for the main loop.
+    fn keep(&mut self, moment: Moment<C, A>) {
+        if self.ends.moments.enqueue(moment).is_err() {
+            add(&self.ends.counts.lost_moments, 1);
+        }
+    }
+
+    /// Time from `from` until now, given when the interrupt was entered.
+    fn raise_latency<K: SampleClock>(&self, from: u32, entry: u32, clock: &K) {
+        let output = clock.since_interrupt();
+        // The timer may have come round meanwhile.
+        let round = if output < entry { clock.period() } else { 0 };
+        raise(&self.ends.counts.latency, output + round - from);
+    }
+
+    /// Counts the periods since the last interrupt of the timer that had none: the interrupts of
+    /// several periods that could not come are one. A counter that stands still, such as one that
+    /// an emulator lacks, counts none.
     fn count_missed<K: SampleClock>(&mut self, free: u32, since_interrupt: u32, period: u32) {
         let per_period = K::FREE_PER_PERIOD;
         let begun = free.wrapping_sub(since_interrupt * per_period / period);
@@ -78,12 +166,19 @@ impl<'t, G: Gyro<C, A>, const C: usize, const A: usize> Sampling<'t, G, C, A> {
         }
         // To the nearest whole number: either counter may be a count ahead of the other.
         let periods = (elapsed.wrapping_add(per_period / 2) & K::FREE_MAX) / per_period;
-        add(&self.ends.counts.missed, periods.saturating_sub(1));
+        let missed = periods.saturating_sub(1);
+        add(&self.ends.counts.missed, missed);
+        // A part with a clock of its own may have kept the samples.
+        if G::CLOCK == Clock::Timer {
+            add(&self.ends.counts.lost, missed);
+        }
     }
 
     fn scaled(&self, counts: [[i32; A]; C]) -> [[f32; A]; C] {
-        let each =
-            |channel: usize, axis: usize| counts[channel][axis] as f32 * self.scale[channel][axis];
+        let each = |channel: usize, axis: usize| match counts[channel][axis] {
+            count if Some(count) == G::INVALID => f32::NAN,
+            count => count as f32 * self.scale[channel][axis],
+        };
         core::array::from_fn(|channel| core::array::from_fn(|axis| each(channel, axis)))
     }
 
@@ -143,7 +238,7 @@ mod tests {
 
     use tempco::BiasRamp;
 
-    use super::super::devices::AtRest;
+    use super::super::devices::{AtRest, Count};
     use super::super::exchange::{Counts, Exchange, publish};
     use super::*;
 
@@ -156,16 +251,15 @@ mod tests {
     }
 
     impl Gyro<1, 1> for Slow {
-        const PULSES_PER_COUNT: f32 = 1.0;
-        const SCALE_FACTOR_ARCSEC: f32 = 1.0;
+        const COUNTS: [[Count; 1]; 1] = [[Count::Pulses(1.0)]];
         const AT_REST: AtRest = AtRest {
             sigma: 0.0,
             max_bias: 0.0,
         };
         const MAX_TABLE_BIAS: f32 = 0.0;
 
-        fn counts(&mut self) -> [[i32; 1]; 1] {
-            [[0]]
+        fn sample(&mut self) -> Option<[[i32; 1]; 1]> {
+            Some([[0]])
         }
 
         fn put(&mut self, _: &[[f32; 1]; 1], _: &[Status; 1]) {

@@ -1,9 +1,19 @@
 //! The self-tests: after power-on, on command, and all the time.
 
+use core::sync::atomic::Ordering;
+
 use tempco_link::{Fault, FaultSet};
 
 use super::devices::{Flash, SampleClock, Thermometers};
 use super::service::Service;
+
+/// Counts at the last self-test.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Known {
+    overruns: u32,
+    data_ready: u32,
+    silent: u32,
+}
 
 impl<F, T, K, const C: usize, const A: usize> Service<'_, F, T, K, C, A>
 where
@@ -38,9 +48,20 @@ where
         self.storage.check();
         self.check_tables();
         self.health.heal(self.time.now_ms());
-        let overruns = self.overruns();
-        if core::mem::replace(&mut self.known_overruns, overruns) != overruns {
-            self.record_fault(Fault::Overrun, overruns);
+        let now = Known {
+            overruns: self.overruns(),
+            data_ready: self.ends.counts.data_ready.load(Ordering::Relaxed),
+            silent: self.ends.counts.silent.load(Ordering::Relaxed),
+        };
+        let known = core::mem::replace(&mut self.known, now);
+        for (fault, before, now) in [
+            (Fault::Overrun, known.overruns, now.overruns),
+            (Fault::DataReady, known.data_ready, now.data_ready),
+            (Fault::GyroSilent, known.silent, now.silent),
+        ] {
+            if before != now {
+                self.record_fault(fault, now);
+            }
         }
         if !(self.stack_is_sound)() {
             self.record_fault(Fault::Stack, 0);

@@ -16,6 +16,7 @@ use super::offsets::Offsets;
 use super::parts::Parts;
 use super::recent::{Means, Recent};
 use super::sampling::difference;
+use super::self_test::Known;
 use super::storage::Storage;
 use super::thermometry::Thermometry;
 use super::time::Time;
@@ -56,10 +57,10 @@ pub(super) struct Service<'t, F, T, K, const C: usize, const A: usize> {
     pub(super) stack_is_sound: fn() -> bool,
     pub(super) knows_the_answer: fn() -> bool,
     pub(super) wants_reset: bool,
-    /// Gyro samples when there were the first temperatures.
+    /// Interrupts of the timer when there were the first temperatures.
     started_at: Option<u32>,
-    /// Overruns at the last self-test.
-    pub(super) known_overruns: u32,
+    /// What was lost, came without a word or did not come until the last self-test.
+    pub(super) known: Known,
     pub(super) dropped_frames: u32,
     telemetry_index: u32,
     /// Period of the telemetry that is sent without being asked for; none where it is 0.
@@ -115,7 +116,7 @@ where
             knows_the_answer,
             wants_reset: false,
             started_at: None,
-            known_overruns: 0,
+            known: Known::default(),
             dropped_frames: 0,
             telemetry_index: 0,
             period_ms: 0,
@@ -188,10 +189,10 @@ where
     /// Whether there have been temperatures for two updates; before, it is no fault that there are
     /// none.
     fn is_started(&self) -> bool {
-        let samples = self.ends.counts.samples();
+        let ticks = self.ends.counts.ticks();
         let two_updates = 2 * u32::from(self.schedule.samples_per_update);
         self.started_at
-            .is_some_and(|start| samples.wrapping_sub(start) > two_updates)
+            .is_some_and(|start| ticks.wrapping_sub(start) > two_updates)
     }
 
     /// Offsets take effect once they are kept, with the next ramp.
@@ -208,15 +209,16 @@ where
         Ok(())
     }
 
-    /// Reads the thermometers when it is time, and makes ramps of what they show.
+    /// Reads the thermometers when it is time, and makes ramps of what they show. The time is the
+    /// timer's: a gyro with a clock of its own may be fast, slow, or silent.
     pub(super) fn read_thermometers(&mut self) {
-        let samples = self.ends.counts.samples();
+        let ticks = self.ends.counts.ticks();
         let period = self.schedule.samples_per_update;
-        if !self.thermometry.is_due(samples, period) {
+        if !self.thermometry.is_due(ticks, period) {
             return;
         }
         if let Some(temps_c) = self.thermometry.read() {
-            self.started_at.get_or_insert(samples);
+            self.started_at.get_or_insert(ticks);
             self.update(&temps_c);
         }
         let faults: Vec<(Fault, u32), C> = self.thermometry.faults().collect();

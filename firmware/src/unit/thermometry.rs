@@ -23,7 +23,7 @@ pub struct Thermometry<T, const C: usize> {
     sensors: [Sensor; C],
     starting: Vec<[f32; C], STARTING>,
     tries: u8,
-    /// Gyro samples at the last reading, and the number of readings.
+    /// Interrupts of the timer at the last reading, and the number of readings.
     read_at: u32,
     readings: u32,
 }
@@ -57,11 +57,11 @@ impl<T: Thermometers<C>, const C: usize> Thermometry<T, C> {
         }
     }
 
-    /// Whether to read now, given the number of gyro samples and the schedule.
-    pub fn is_due(&mut self, samples: u32, samples_per_update: u16) -> bool {
+    /// Whether to read now, given the number of interrupts of the timer and the schedule.
+    pub fn is_due(&mut self, ticks: u32, samples_per_update: u16) -> bool {
         let period = u32::from(samples_per_update).max(1);
         // After a long stall the readings that were missed are not made up for.
-        let periods = samples.wrapping_sub(self.read_at) / period;
+        let periods = ticks.wrapping_sub(self.read_at) / period;
         self.read_at = self.read_at.wrapping_add(periods * period);
         periods > 0
     }

@@ -12,7 +12,7 @@ use tempco::{Schedule, Status, Terms};
 use tempco_firmware::board::mps2_an386::nor::{Nor, REGIONS, WORDS};
 use tempco_firmware::table;
 use tempco_firmware::unit::devices::{
-    AtRest, Devices, Gyro, ResetCause, SampleClock, Thermometers, Watchdog,
+    AtRest, Count, Devices, Gyro, ResetCause, SampleClock, Thermometers, Watchdog,
 };
 use tempco_firmware::unit::exchange::{Counts, Exchange};
 use tempco_firmware::unit::fit::{UNITS, fits, scale};
@@ -114,7 +114,7 @@ impl<const C: usize> Thermometers<C> for Sensors {
 struct Counter(Rc<Cell<i32>>);
 
 impl<const C: usize, const A: usize> Gyro<C, A> for Counter {
-    const PULSES_PER_COUNT: f32 = 1.0;
+    const COUNTS: [[Count; A]; C] = [[Count::Pulses(1.0); A]; C];
     const SCALE_FACTOR_ARCSEC: f32 = 0.5;
     /// At 100 Hz, up to two counts per sample of constant bias.
     const AT_REST: AtRest = AtRest {
@@ -124,8 +124,8 @@ impl<const C: usize, const A: usize> Gyro<C, A> for Counter {
     /// A table in pulses/s may have as much.
     const MAX_TABLE_BIAS: f32 = 50.0;
 
-    fn counts(&mut self) -> [[i32; A]; C] {
-        [[self.0.get(); A]; C]
+    fn sample(&mut self) -> Option<[[i32; A]; C]> {
+        Some([[self.0.get(); A]; C])
     }
 
     fn put(&mut self, _: &[[f32; A]; C], _: &[Status; C]) {}
@@ -143,12 +143,35 @@ impl Watchdog for Dog {
     }
 }
 
+/// What happens besides the timer's interrupts.
+pub(crate) trait Outside {
+    /// So many periods pass; whether the gyro asks for an interrupt before the timer's.
+    fn pass(&self, periods: u32) -> bool;
+
+    /// The timer's interrupt has ended; whether the gyro asks for another one.
+    fn after(&self) -> bool;
+}
+
+/// Nothing.
+struct Quiet;
+
+impl Outside for Quiet {
+    fn pass(&self, _: u32) -> bool {
+        false
+    }
+
+    fn after(&self) -> bool {
+        false
+    }
+}
+
 /// Every sleep ends with an interrupt that is due.
-struct Timer<'t> {
-    sampling: Rc<RefCell<Sampling<'t, Counter, CHANNELS, AXES>>>,
+struct Timer<'t, G> {
+    sampling: Rc<RefCell<Sampling<'t, G, CHANNELS, AXES>>>,
     inside: Inside,
     late: Rc<Cell<u32>>,
     held: Rc<Cell<u32>>,
+    outside: &'t dyn Outside,
 }
 
 /// The clock as the interrupt sees it, with the periods that have begun.
@@ -179,7 +202,7 @@ impl SampleClock for Inside {
     fn interrupt_now(&self) {}
 }
 
-impl SampleClock for Timer<'_> {
+impl<G: Gyro<CHANNELS, AXES>> SampleClock for Timer<'_, G> {
     const COUNT_NS: u32 = Inside::COUNT_NS;
     const FREE_PER_PERIOD: u32 = Inside::FREE_PER_PERIOD;
     const FREE_MAX: u32 = Inside::FREE_MAX;
@@ -194,9 +217,15 @@ impl SampleClock for Timer<'_> {
 
     fn sleep(&self) -> u32 {
         for _ in 0..=self.late.take() {
-            let periods = &self.inside.0;
-            periods.set(periods.get() + 1 + self.held.take());
+            let periods = 1 + self.held.take();
+            self.inside.0.set(self.inside.0.get() + periods);
+            if self.outside.pass(periods) {
+                self.sampling.borrow_mut().interrupt(false, &self.inside);
+            }
             self.sampling.borrow_mut().interrupt(true, &self.inside);
+            if self.outside.after() {
+                self.sampling.borrow_mut().interrupt(false, &self.inside);
+            }
         }
         10_000
     }
@@ -257,10 +286,22 @@ impl Bench {
         crash: Option<u32>,
         test: impl FnOnce(&mut Self, &mut dyn Running) -> R,
     ) -> R {
+        let gyro = Counter(self.counts.clone());
+        self.boot_with(gyro, &Quiet, reset_cause, crash, test)
+    }
+
+    pub(crate) fn boot_with<G: Gyro<CHANNELS, AXES>, R>(
+        &mut self,
+        gyro: G,
+        outside: &dyn Outside,
+        reset_cause: ResetCause,
+        crash: Option<u32>,
+        test: impl FnOnce(&mut Self, &mut dyn Running) -> R,
+    ) -> R {
         let cells = std::mem::take(&mut self.flash);
         let mut buffer = AlignedBytes([0; IMAGE_LEN]);
         let mut scratch = AlignedBytes([0; IMAGE_LEN]);
-        let fits = fits::<Counter, CHANNELS, AXES>(&self.units);
+        let fits = fits::<G, CHANNELS, AXES>(&self.units);
         let (storage, image) =
             Storage::boot(Nor(&cells), REGIONS, &fits, &mut buffer.0, &mut scratch.0).unwrap();
         let tables: Option<UnitTables<CHANNELS, AXES>> =
@@ -269,10 +310,10 @@ impl Bench {
         let counts = Counts::new();
         let mut exchange = Exchange::new();
         let (interrupt_ends, ends) = exchange.split(&counts);
-        let scale = scale::<Counter, CHANNELS, AXES>(&self.units, SCHEDULE.sample_rate_hz);
-        let limits = Limits::of::<Counter>(&scale, SCHEDULE.sample_rate_hz);
+        let scale = scale::<G, CHANNELS, AXES>(&self.units, SCHEDULE.sample_rate_hz);
+        let limits = Limits::of::<G>(&self.units);
         let offsets = Offsets::new(storage.offsets(table_crc), limits);
-        let sampling = Sampling::new(Counter(self.counts.clone()), interrupt_ends, scale);
+        let sampling = Sampling::new(gyro, interrupt_ends, scale);
         let parts = Parts {
             storage,
             tables: tables.as_ref().map(|tables| (tables, table_crc)),
@@ -283,9 +324,10 @@ impl Bench {
                 inside: Inside::default(),
                 late: self.late.clone(),
                 held: self.held.clone(),
+                outside,
             },
             schedule: SCHEDULE,
-            scale_factor_arcsec: <Counter as Gyro<CHANNELS, AXES>>::SCALE_FACTOR_ARCSEC,
+            scale_factor_arcsec: G::SCALE_FACTOR_ARCSEC,
             stack_is_sound: || true,
             knows_the_answer: self.knows_the_answer,
         };

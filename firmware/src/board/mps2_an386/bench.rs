@@ -18,7 +18,7 @@ use tempco_sensors::SensorFault;
 
 use super::played;
 use super::uart::Uart;
-use crate::unit::devices::{AtRest, Gyro, Thermometers};
+use crate::unit::devices::{AtRest, Count, Gyro, Thermometers};
 
 const BEGIN: u8 = 0xa5;
 const MAX: usize = 6;
@@ -120,14 +120,15 @@ impl BenchGyro {
 }
 
 impl<const C: usize, const A: usize> Gyro<C, A> for BenchGyro {
-    const PULSES_PER_COUNT: f32 = 1.0;
+    const COUNTS: [[Count; A]; C] = [[Count::Pulses(1.0); A]; C];
     const SCALE_FACTOR_ARCSEC: f32 = 1.0;
     const AT_REST: AtRest = played::AT_REST;
     const MAX_TABLE_BIAS: f32 = played::MAX_TABLE_BIAS;
 
-    fn counts(&mut self) -> [[i32; A]; C] {
+    fn sample(&mut self) -> Option<[[i32; A]; C]> {
         let mut counts = COUNTS.iter().map(|counts| counts.load(Ordering::Relaxed));
-        core::array::from_fn(|_| core::array::from_fn(|_| counts.next().unwrap_or(0)))
+        let each = |_| core::array::from_fn(|_| counts.next().unwrap_or(0));
+        Some(core::array::from_fn(each))
     }
 
     fn put(&mut self, compensated: &[[f32; A]; C], status: &[Status; C]) {

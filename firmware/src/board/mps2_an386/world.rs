@@ -25,7 +25,7 @@ use tempco_sensors::SensorFault;
 
 use super::played;
 use super::uart::Uart;
-use crate::unit::devices::{AtRest, Gyro, Thermometers};
+use crate::unit::devices::{AtRest, Count, Gyro, Thermometers};
 
 /// Points that may wait.
 const AHEAD: usize = 8;
@@ -178,19 +178,20 @@ impl WorldGyro {
 }
 
 impl<const C: usize, const A: usize> Gyro<C, A> for WorldGyro {
-    const PULSES_PER_COUNT: f32 = 1.0;
+    const COUNTS: [[Count; A]; C] = [[Count::Pulses(1.0); A]; C];
     const SCALE_FACTOR_ARCSEC: f32 = 1.0;
     const AT_REST: AtRest = played::AT_REST;
     const MAX_TABLE_BIAS: f32 = played::MAX_TABLE_BIAS;
 
-    fn counts(&mut self) -> [[i32; A]; C] {
+    fn sample(&mut self) -> Option<[[i32; A]; C]> {
         let mut counts = self.angles.iter_mut().zip(&RATES).map(|(angle, rate)| {
             let before = *angle >> 16;
             *angle = angle.wrapping_add(rate.load(Ordering::Relaxed));
             // The upper halves wrap as counters of 16 bits do.
             i32::from((*angle >> 16).wrapping_sub(before) as i16)
         });
-        core::array::from_fn(|_| core::array::from_fn(|_| counts.next().unwrap_or(0)))
+        let each = |_| core::array::from_fn(|_| counts.next().unwrap_or(0));
+        Some(core::array::from_fn(each))
     }
 
     fn put(&mut self, compensated: &[[f32; A]; C], status: &[Status; C]) {

@@ -17,7 +17,7 @@ use tempco_sensors::SensorFault;
 use crate::board::mps2_an386::nor::{self, Nor};
 use crate::queue::{Consumer, Producer, Queue};
 use crate::reset::{self, Reason};
-use crate::unit::devices::{AtRest, Devices, Gyro, ResetCause, Thermometers, Watchdog};
+use crate::unit::devices::{AtRest, Count, Devices, Gyro, ResetCause, Thermometers, Watchdog};
 
 /// The gyro.
 pub type BoardGyro = Counter;
@@ -82,7 +82,7 @@ impl Counter {
 }
 
 impl<const C: usize, const A: usize> Gyro<C, A> for Counter {
-    const PULSES_PER_COUNT: f32 = 1.0;
+    const COUNTS: [[Count; A]; C] = [[Count::Pulses(1.0); A]; C];
     const SCALE_FACTOR_ARCSEC: f32 = 1.0;
     const AT_REST: AtRest = AtRest {
         sigma: 10.0,
@@ -91,12 +91,12 @@ impl<const C: usize, const A: usize> Gyro<C, A> for Counter {
     /// Logs of any gyro are replayed here.
     const MAX_TABLE_BIAS: f32 = 1e6;
 
-    fn counts(&mut self) -> [[i32; A]; C] {
+    fn sample(&mut self) -> Option<[[i32; A]; C]> {
         let now = Register::TimerValue.read();
         // It counts down, and wraps; so does the difference.
         let counts = self.before.wrapping_sub(now).cast_signed();
         self.before = now;
-        [[counts; A]; C]
+        Some([[counts; A]; C])
     }
 
     /// The lamps of the board stand for the output.

@@ -13,7 +13,7 @@ use stm32f4xx_hal::rcc::Rcc;
 use tempco::Status;
 
 use super::{AXES, frame, output};
-use crate::unit::devices::{AtRest, Gyro};
+use crate::unit::devices::{AtRest, Count, Gyro};
 
 /// What the counters are made of.
 pub(super) struct Parts {
@@ -63,7 +63,7 @@ impl Counters {
 
 impl<const C: usize, const A: usize> Gyro<C, A> for Counters {
     /// Every edge of two waves counts.
-    const PULSES_PER_COUNT: f32 = 0.25;
+    const COUNTS: [[Count; A]; C] = [[Count::Pulses(0.25); A]; C];
 
     const SCALE_FACTOR_ARCSEC: f32 = 1.0;
 
@@ -77,11 +77,12 @@ impl<const C: usize, const A: usize> Gyro<C, A> for Counters {
     /// 100 pulses/s, or 100 deg/h.
     const MAX_TABLE_BIAS: f32 = 400.0;
 
-    fn counts(&mut self) -> [[i32; A]; C] {
+    fn sample(&mut self) -> Option<[[i32; A]; C]> {
         const { assert!(C * A <= AXES, "the board has three axes") };
         let mut axes = self.differences().into_iter();
         self.data_ready.set_high();
-        core::array::from_fn(|_| core::array::from_fn(|_| axes.next().unwrap_or(0)))
+        let each = |_| core::array::from_fn(|_| axes.next().unwrap_or(0));
+        Some(core::array::from_fn(each))
     }
 
     fn put(&mut self, compensated: &[[f32; A]; C], status: &[Status; C]) {
