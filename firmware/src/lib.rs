@@ -6,6 +6,7 @@
 //! - `target`: semihosting, panics and faults; only on a target
 //! - `logger`: where logs go
 //! - [`unit`](mod@unit): the application of gyro electronics, with its sampling interrupt, link and store
+//! - [`fifo_gyro`]: a gyro with a FIFO, between its interrupt and the sampling
 //! - `idle`, `reset`, `sample_clock`, `stack`: what the application needs of a Cortex-M
 //!
 //! The images are in `src/bin`, those that exist to be measured in the package
@@ -18,6 +19,7 @@ mod log;
 
 pub mod app;
 pub mod board;
+pub mod fifo_gyro;
 #[cfg(all(target_os = "none", feature = "application"))]
 pub mod idle;
 #[cfg(all(

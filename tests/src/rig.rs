@@ -128,6 +128,19 @@ impl Rig {
         result
     }
 
+    /// Counts of 40 ns that the simulated chip of the feature `gyro-simulated` has taken so far: the
+    /// word that its image notes behind the flash.
+    ///
+    /// # Panics
+    /// If the memory cannot be read.
+    pub fn simulated_counts(&self) -> u32 {
+        let mut word = [0; 4];
+        self.flash
+            .read_exact_at(&mut word, 0x10_0000)
+            .expect("memory");
+        u32::from_le_bytes(word)
+    }
+
     /// Sets the temperature of a sensor \[degC\].
     pub fn temperature(&mut self, temp_c: f32) {
         self.say(b'T', temp_c.to_bits());

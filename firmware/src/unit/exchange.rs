@@ -62,17 +62,16 @@ pub struct Counts {
 impl Counts {
     /// Nothing counted yet.
     pub const fn new() -> Self {
-        const ZERO: AtomicU32 = AtomicU32::new(0);
         Self {
-            ticks: ZERO,
-            missed: ZERO,
-            samples: ZERO,
-            lost: ZERO,
-            data_ready: ZERO,
-            silent: ZERO,
-            lost_moments: ZERO,
-            lost_replies: ZERO,
-            latency: ZERO,
+            ticks: AtomicU32::new(0),
+            missed: AtomicU32::new(0),
+            samples: AtomicU32::new(0),
+            lost: AtomicU32::new(0),
+            data_ready: AtomicU32::new(0),
+            silent: AtomicU32::new(0),
+            lost_moments: AtomicU32::new(0),
+            lost_replies: AtomicU32::new(0),
+            latency: AtomicU32::new(0),
         }
     }
 

@@ -34,7 +34,7 @@ use registers::{
 pub const INVALID: i16 = i16::MIN;
 
 /// Samples that one call of [`Icm42688::read`] takes at most.
-pub const BURST: usize = 16;
+pub const BURST: usize = 8;
 
 /// Part of a second for which samples are left out after a start: the gyros need 30 ms, and the
 /// filters some more.
@@ -227,10 +227,9 @@ impl<SPI: SpiDevice> Icm42688<SPI> {
         let since = 16 * u32::from(stamp.wrapping_sub(before));
         let steps = (since + step.get() / 2) / step;
         // Fewer than 65536 counts at one sample in 117 of them or more.
-        let missing = (steps as u16).saturating_sub(1);
-        match missing {
+        match (steps as u16).saturating_sub(1) {
             0 => 0,
-            _ => missing - core::mem::take(&mut self.foreseen),
+            missing => missing.saturating_sub(core::mem::take(&mut self.foreseen)),
         }
     }
 

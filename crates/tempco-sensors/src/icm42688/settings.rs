@@ -57,7 +57,12 @@ pub enum OutputRate {
 impl OutputRate {
     /// Samples per second \[Hz\].
     pub const fn hz(self) -> u16 {
-        8000 >> (self as u8 - Self::Hz8000 as u8)
+        match self {
+            Self::Hz8000 => 8000,
+            Self::Hz4000 => 4000,
+            Self::Hz2000 => 2000,
+            Self::Hz1000 => 1000,
+        }
     }
 
     /// From one sample to the next in sixteenths of a count of the time stamps. A count is 32/30 us.

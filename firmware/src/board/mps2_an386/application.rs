@@ -15,8 +15,11 @@ use super::world::WorldThermometers as BoardThermometers;
 use crate::reset;
 use crate::unit::devices::{Devices, ResetCause, Watchdog};
 
-#[cfg(not(feature = "world"))]
+#[cfg(not(any(feature = "world", feature = "gyro-simulated")))]
 pub use super::bench::BenchGyro as BoardGyro;
+// The output of the simulated gyro is the bench's.
+#[cfg(feature = "gyro-simulated")]
+pub use super::{bench::BenchGyro, imu::Imu as BoardGyro};
 #[cfg(feature = "world")]
 pub use super::world::WorldGyro as BoardGyro;
 
@@ -53,19 +56,24 @@ pub fn take(
         reset_cause: ResetCause::PowerOn,
         faults: FaultSet::NONE,
     };
-    for interrupt in [Interrupt::UARTRX0, Interrupt::UARTRX1] {
+    #[cfg(not(feature = "gyro-simulated"))]
+    let gyro = BoardGyro::new();
+    #[cfg(feature = "gyro-simulated")]
+    let gyro = BoardGyro::start()?;
+    // Timer 0 runs with the simulated gyro only.
+    for interrupt in [Interrupt::UARTRX0, Interrupt::UARTRX1, Interrupt::TIMER0] {
         // SAFETY: the handlers have what they need, and nothing relies on their being masked.
         #[allow(unsafe_code)]
         unsafe {
-            core.NVIC.set_priority(interrupt, RECEIVE_PRIORITY);
+            core.NVIC.set_priority(interrupt, DEVICE_PRIORITY);
             cortex_m::peripheral::NVIC::unmask(interrupt);
         }
     }
-    Some((devices, flash, BoardGyro::new()))
+    Some((devices, flash, gyro))
 }
 
 /// Below the sampling interrupt, which has the highest there is.
-const RECEIVE_PRIORITY: u8 = 0x80;
+const DEVICE_PRIORITY: u8 = 0x80;
 
 /// The CMSDK APB watchdog: at its first timeout a non-maskable interrupt, which resets.
 pub struct BoardWatchdog(());

@@ -17,6 +17,8 @@ pub enum Interrupt {
     UARTRX0 = 0,
     /// UART 1 has received a byte.
     UARTRX1 = 2,
+    /// Timer 0 has come to its end.
+    TIMER0 = 8,
 }
 
 // The name under which `#[interrupt]` looks for the number.
@@ -36,6 +38,7 @@ unsafe impl InterruptNumber for Interrupt {
 unsafe extern "C" {
     fn UARTRX0();
     fn UARTRX1();
+    fn TIMER0();
     fn DefaultHandler();
 }
 
@@ -49,5 +52,6 @@ static __INTERRUPTS: [unsafe extern "C" fn(); LINES] = {
     let mut table = [DefaultHandler as unsafe extern "C" fn(); LINES];
     table[Interrupt::UARTRX0 as usize] = UARTRX0;
     table[Interrupt::UARTRX1 as usize] = UARTRX1;
+    table[Interrupt::TIMER0 as usize] = TIMER0;
     table
 };

@@ -6,7 +6,8 @@
 //! For the application: the link is UART0. The board has neither a flash of its own for data nor
 //! sensors nor a gyro. A stretch of RAM stands in for the flash, with its rules ([`nor`]). For the
 //! others there is a test bench on UART1 (`bench`), which a message sets once, or with the feature
-//! `world` a host that plays them all the time (`world`).
+//! `world` a host that plays them all the time (`world`). With the feature `gyro-simulated` there is
+//! a simulated chip for the bench's gyro (`imu`).
 
 #[cfg(all(
     target_os = "none",
@@ -21,6 +22,13 @@ mod application;
     not(feature = "world")
 ))]
 mod bench;
+#[cfg(all(
+    target_os = "none",
+    feature = "board-mps2-an386",
+    feature = "application",
+    feature = "gyro-simulated"
+))]
+mod imu;
 pub mod nor;
 #[cfg(all(
     target_os = "none",

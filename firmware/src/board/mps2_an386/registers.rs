@@ -29,9 +29,13 @@ struct TimerRegisters {
     control: RW<u32>,
     value: RW<u32>,
     reload: RW<u32>,
+    #[cfg(feature = "gyro-simulated")]
+    interrupt: RW<u32>,
 }
 
 const TIMER_ENABLE: u32 = 1;
+#[cfg(feature = "gyro-simulated")]
+const TIMER_INTERRUPT: u32 = 8;
 const WATCHDOG_ENABLE: u32 = 1;
 const WATCHDOG_RESET: u32 = 2;
 
@@ -50,6 +54,11 @@ mod at {
         // SAFETY: as said of the module.
         unsafe { &*core::ptr::with_exposed_provenance(0x4000_5000) }
     }
+    #[cfg(feature = "gyro-simulated")]
+    pub(super) fn timer0() -> &'static TimerRegisters {
+        // SAFETY: as said of the module.
+        unsafe { &*core::ptr::with_exposed_provenance(0x4000_0000) }
+    }
     pub(super) fn timer1() -> &'static TimerRegisters {
         // SAFETY: as said of the module.
         unsafe { &*core::ptr::with_exposed_provenance(0x4000_1000) }
@@ -66,6 +75,12 @@ mod at {
         // SAFETY: as said of the module.
         unsafe { &*core::ptr::with_exposed_provenance(0x2100_0000) }
     }
+    /// A word of the PSRAM far behind the flash.
+    #[cfg(feature = "gyro-simulated")]
+    pub(super) fn note() -> &'static AtomicU32 {
+        // SAFETY: as said of the module.
+        unsafe { &*core::ptr::with_exposed_provenance(0x2110_0000) }
+    }
     pub(super) fn write(register: &RW<u32>, value: u32) {
         // SAFETY: as said of the module.
         unsafe { register.write(value) }
@@ -74,6 +89,12 @@ mod at {
 
 pub(super) fn flash() -> &'static [AtomicU32; WORDS] {
     at::flash()
+}
+
+/// A word behind the flash, for who looks at the memory from outside.
+#[cfg(feature = "gyro-simulated")]
+pub(super) fn note() -> &'static AtomicU32 {
+    at::note()
 }
 
 pub(super) fn uart0() -> &'static UartRegisters {
@@ -97,6 +118,22 @@ pub(super) fn start_timer() {
 /// It counts down.
 pub(super) fn timer_counts() -> u32 {
     u32::MAX - at::timer1().value.read()
+}
+
+/// Lets timer 0 interrupt every so many counts.
+#[cfg(feature = "gyro-simulated")]
+pub(super) fn start_data_ready(counts: u32) {
+    at::write(&at::timer0().reload, counts - 1);
+    at::write(&at::timer0().value, counts - 1);
+    at::write(&at::timer0().control, TIMER_ENABLE | TIMER_INTERRUPT);
+}
+
+/// Whether timer 0 has interrupted; it then has not any more.
+#[cfg(feature = "gyro-simulated")]
+pub(super) fn take_data_ready() -> bool {
+    let has_come = at::timer0().interrupt.read() != 0;
+    at::write(&at::timer0().interrupt, 1);
+    has_come
 }
 
 pub(super) fn start_watchdog(counts: u32) {
