@@ -1,22 +1,24 @@
-//! The temperature sensors, on a bus that answers anything.
+//! The sensors, on a bus that answers anything.
 
 use core::hint::black_box;
 
 use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::{self, OutputPin};
 use embedded_hal::{i2c, spi};
+use tempco_sensors::icm42688::{AntiAlias, ChipFault, Icm42688, OutputRate, Range, Settings};
 use tempco_sensors::{
     Ads1220, ChipSelect, Divider, Filter, Gain, Input, Max31865, Platinum, Rate, SensorFault,
     Thermistor, Tmp117, Wires, for_core,
 };
 
-/// Reads each of the sensors and converts what it says.
+/// Reads each of the sensors and converts what it says; the gyro too.
 #[inline(never)]
 pub fn sensors() {
     _ = black_box(max31865().map(|temp_c| for_core(Ok(temp_c))));
     _ = black_box(ads1220());
     _ = black_box(tmp117());
     _ = black_box(chip_select());
+    _ = black_box(icm42688());
     let platinum = Platinum {
         r0_ohm: black_box(100.0),
     };
@@ -57,6 +59,27 @@ fn tmp117() -> Result<f32, SensorFault> {
     let mut chip = Tmp117::new(Bus, black_box(0x48));
     chip.start()?;
     chip.read()
+}
+
+#[inline(never)]
+fn icm42688() -> Result<u16, ChipFault> {
+    let settings = Settings {
+        range: black_box(Range::Dps250),
+        rate: black_box(OutputRate::Hz2000),
+        filter: black_box(AntiAlias::Hz536),
+        block: black_box(1),
+    };
+    let mut chip = Icm42688::new(Bus, settings);
+    chip.reset()?;
+    _ = black_box(chip.configure());
+    _ = black_box(chip.check());
+    let burst = chip.read(|counts| _ = black_box(counts))?;
+    _ = black_box((
+        settings.range.deg_per_s(),
+        chip.is_settled(),
+        chip.release(),
+    ));
+    Ok(burst.lost)
 }
 
 #[inline(never)]
