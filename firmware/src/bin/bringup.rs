@@ -16,6 +16,7 @@ mod image {
     use core::sync::atomic::{AtomicI32, AtomicU32, Ordering};
 
     use cortex_m::interrupt::{self, Mutex};
+    use cortex_m::peripheral::SYST;
     use cortex_m::peripheral::syst::SystClkSource;
     use cortex_m_rt::exception;
     use embedded_io::{Read as _, Write as _};
@@ -31,11 +32,12 @@ mod image {
     const SAMPLE_RATE_HZ: u32 = 2000;
     /// Readings of the sensors: they are started, their wires are checked, a temperature comes.
     const READINGS: u32 = 3;
-    /// Samples from one reading to the next: 100 ms.
-    const SAMPLES_PER_READING: u32 = SAMPLE_RATE_HZ / 10;
+    /// Periods of the timer from one reading to the next: 100 ms.
+    const TICKS_PER_READING: u32 = SAMPLE_RATE_HZ / 10;
     const WATCHDOG_MS: u32 = 10_000;
 
-    static GYRO: Mutex<RefCell<Option<BoardGyro>>> = Mutex::new(RefCell::new(None));
+    static GYRO: Mutex<RefCell<Option<(BoardGyro, SYST)>>> = Mutex::new(RefCell::new(None));
+    static TICKS: AtomicU32 = AtomicU32::new(0);
     static SAMPLES: AtomicU32 = AtomicU32::new(0);
     static COUNTS: [AtomicI32; AXES] = [const { AtomicI32::new(0) }; AXES];
 
@@ -64,17 +66,17 @@ mod image {
         }
 
         devices.watchdog.start(WATCHDOG_MS);
-        interrupt::free(|cs| GYRO.borrow(cs).replace(Some(gyro)));
         core.SYST.set_clock_source(SystClkSource::Core);
         core.SYST.set_reload(BOARD.systick_hz / SAMPLE_RATE_HZ - 1);
         core.SYST.clear_current();
         core.SYST.enable_interrupt();
         core.SYST.enable_counter();
+        interrupt::free(|cs| GYRO.borrow(cs).replace(Some((gyro, core.SYST))));
 
         for _ in 0..READINGS {
             log_temperatures(&mut devices.thermometers);
-            let start = samples();
-            while samples().wrapping_sub(start) < SAMPLES_PER_READING {
+            let start = TICKS.load(Ordering::Relaxed);
+            while TICKS.load(Ordering::Relaxed).wrapping_sub(start) < TICKS_PER_READING {
                 cortex_m::asm::wfi();
             }
         }
@@ -125,14 +127,23 @@ mod image {
     }
 
     /// Load and store suffice: there is one writer.
+    fn add(count: &AtomicU32) {
+        let sum = count.load(Ordering::Relaxed).wrapping_add(1);
+        count.store(sum, Ordering::Relaxed);
+    }
+
+    /// The timer's, or that of a gyro which has a sample.
     #[exception]
     fn SysTick() {
-        static mut MINE: Option<BoardGyro> = None;
+        static mut MINE: Option<(BoardGyro, SYST)> = None;
 
         if MINE.is_none() {
             *MINE = interrupt::free(|cs| GYRO.borrow(cs).take());
         }
-        let Some(gyro) = MINE else { return };
+        let Some((gyro, timer)) = MINE else { return };
+        if timer.has_wrapped() {
+            add(&TICKS);
+        }
         let Some(counts): Option<[[i32; AXES]; 1]> = gyro.sample() else {
             return;
         };
@@ -144,6 +155,6 @@ mod image {
         }
         let output = counts.map(|counts| counts.map(|count| count as f32));
         gyro.put(&output, &[Status::OK]);
-        SAMPLES.store(samples().wrapping_add(1), Ordering::Relaxed);
+        add(&SAMPLES);
     }
 }

@@ -18,7 +18,7 @@ use tempco_firmware::board::mps2_an386::nor::Nor;
 use tempco_firmware::board::stm32f405::store::{REGIONS, SECTOR, SECTORS};
 use tempco_hil::{Patience, open};
 use tempco_image::{AlignedBytes, Image, Unit};
-use tempco_link::{Bank, Fault, Request};
+use tempco_link::{Bank, Fault, Request, Telemetry};
 use tempco_qemu::{Board, Machine, MachineOptions, Variant, build_variant};
 use tempco_store::Store;
 
@@ -215,13 +215,7 @@ fn the_application_takes_its_table_from_the_flash_and_serves_the_link() {
     };
     let machine = Machine::start(&unit, BOARD, &options).unwrap();
 
-    let port = open(&machine.link(), 921_600).unwrap();
-    let patience = Patience {
-        answer: Duration::from_millis(200),
-        tries: 100,
-        ..Patience::default()
-    };
-    let mut unit = tempco_hil::Unit::connect(port, patience).unwrap();
+    let mut unit = connect(&machine);
     let identity = unit.identify().unwrap();
     assert_eq!(identity.serial, example::SERIAL);
     assert_eq!(identity.table_crc, example::CRC);
@@ -238,6 +232,7 @@ fn the_application_takes_its_table_from_the_flash_and_serves_the_link() {
     assert!(second.samples > first.samples, "{first:?} {second:?}");
     assert_eq!(second.dropped_frames, first.dropped_frames);
     assert!(second.raw.iter().all(|raw| raw.is_finite() && *raw != 0.0));
+    wait_for_fault(&mut unit, Fault::SensorBus);
     let faults = unit.built_in_test().unwrap();
     println!("{faults:?}");
     assert!(faults.contains(Fault::SensorBus) && !faults.contains(Fault::NoTable));
@@ -248,4 +243,45 @@ fn the_application_takes_its_table_from_the_flash_and_serves_the_link() {
     let third = unit.telemetry(0).unwrap();
     assert_eq!(third.index, first.index, "it did not start again");
     assert_eq!(unit.identify().unwrap().table_crc, example::CRC);
+}
+
+/// The unit with an ICM-42688-P, on a bus with no chip: it looks for it again and again, says that the
+/// gyro is silent, and does all else.
+#[test]
+fn a_chip_that_does_not_answer_is_said_and_stops_nothing() {
+    const WITH_CHIP: Variant = Variant {
+        name: "icm42688",
+        features: &["application", "gyro-icm42688"],
+        config: &[],
+    };
+    let unit = build_variant(&WORKSPACE, BOARD, "unit", None, &WITH_CHIP).unwrap();
+    let machine = Machine::start(&unit, BOARD, &MachineOptions::default()).unwrap();
+    let mut unit = connect(&machine);
+    wait_for_fault(&mut unit, Fault::GyroSilent);
+    let state = wait_for_fault(&mut unit, Fault::SensorBus);
+    assert!(state.raw.iter().all(|raw| raw.is_nan()), "{state:?}");
+    assert_eq!((state.samples, state.overruns), (0, 0), "{state:?}");
+}
+
+/// The unit's time passes as the host lets it.
+fn wait_for_fault(unit: &mut tempco_hil::Unit, fault: Fault) -> Telemetry {
+    let start = Instant::now();
+    loop {
+        let state = unit.telemetry(0).unwrap();
+        if state.faults.contains(fault) {
+            return state;
+        }
+        assert!(start.elapsed() < LIMIT, "{fault:?}: {state:?}");
+        thread::sleep(Duration::from_millis(20));
+    }
+}
+
+fn connect(machine: &Machine) -> tempco_hil::Unit {
+    let port = open(&machine.link(), 921_600).unwrap();
+    let patience = Patience {
+        answer: Duration::from_millis(200),
+        tries: 100,
+        ..Patience::default()
+    };
+    tempco_hil::Unit::connect(port, patience).unwrap()
 }

@@ -46,8 +46,8 @@ fn sample(number: u32) -> [i16; 3] {
 
 type ChipReader = Reader<'static, Timed>;
 
-/// The chip, with a note of the counts of timer 1 that the model of it takes: they are no cost of a
-/// unit.
+/// The chip, with notes of its samples and of the counts of timer 1 that the model of it takes: these
+/// are no cost of a unit.
 struct Timed(Simulated<fn() -> u32>);
 
 impl ErrorType for Timed {
@@ -59,7 +59,9 @@ impl SpiDevice for Timed {
         let start = registers::timer_counts();
         let result = self.0.transaction(steps);
         let took = registers::timer_counts().wrapping_sub(start);
-        registers::note().fetch_add(took, Ordering::Relaxed);
+        let [samples, counts] = registers::notes();
+        samples.store(self.0.samples(), Ordering::Relaxed);
+        counts.fetch_add(took, Ordering::Relaxed);
         result
     }
 }

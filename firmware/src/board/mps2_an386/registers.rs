@@ -75,9 +75,9 @@ mod at {
         // SAFETY: as said of the module.
         unsafe { &*core::ptr::with_exposed_provenance(0x2100_0000) }
     }
-    /// A word of the PSRAM far behind the flash.
+    /// Words of the PSRAM far behind the flash.
     #[cfg(feature = "gyro-simulated")]
-    pub(super) fn note() -> &'static AtomicU32 {
+    pub(super) fn notes() -> &'static [AtomicU32; 2] {
         // SAFETY: as said of the module.
         unsafe { &*core::ptr::with_exposed_provenance(0x2110_0000) }
     }
@@ -91,10 +91,10 @@ pub(super) fn flash() -> &'static [AtomicU32; WORDS] {
     at::flash()
 }
 
-/// A word behind the flash, for who looks at the memory from outside.
+/// Words behind the flash, for who looks at the memory from outside.
 #[cfg(feature = "gyro-simulated")]
-pub(super) fn note() -> &'static AtomicU32 {
-    at::note()
+pub(super) fn notes() -> &'static [AtomicU32; 2] {
+    at::notes()
 }
 
 pub(super) fn uart0() -> &'static UartRegisters {

@@ -9,7 +9,8 @@
 //! - `link`: USART1 with a receive interrupt
 //! - `free_running`: timer 7, by which missed samples are counted
 //! - `flash`, [`store`]: six sectors for tables and logs
-//! - `gyro`: counters and the data-ready pin
+//! - `gyro`: counters and the data-ready pin; or with the feature `gyro-icm42688` `imu`: an
+//!   ICM-42688-P on SPI2
 //! - `output`, [`frame`]: every sample to USART6 by DMA
 //! - `sensors`, [`sensor`]: platinum resistors on SPI1
 //! - `wait`: waits of microseconds and less
@@ -51,8 +52,18 @@ mod clocks;
 mod flash;
 #[cfg(all(target_os = "none", feature = "board-stm32f405"))]
 mod free_running;
-#[cfg(all(target_os = "none", feature = "board-stm32f405"))]
+#[cfg(all(
+    target_os = "none",
+    feature = "board-stm32f405",
+    not(feature = "gyro-icm42688")
+))]
 mod gyro;
+#[cfg(all(
+    target_os = "none",
+    feature = "board-stm32f405",
+    feature = "gyro-icm42688"
+))]
+mod imu;
 #[cfg(all(target_os = "none", feature = "board-stm32f405"))]
 mod link;
 #[cfg(all(target_os = "none", feature = "board-stm32f405"))]
@@ -72,7 +83,6 @@ pub use {
     cortex_m::asm::wfi as idle,
     flash::Sectors,
     free_running::{FREE_RUNNING_HZ, FREE_RUNNING_MAX, free_running},
-    gyro::Counters,
     link::{Errors, Usart},
     sensors::Sensors,
     take::{BoardFlash, BoardGyro, Stm32f405, set_up, take},

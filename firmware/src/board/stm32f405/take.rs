@@ -10,7 +10,10 @@ use tempco_link::{Fault, FaultSet};
 use super::clocks::{self, Source};
 use super::flash::Sectors;
 use super::free_running;
+#[cfg(not(feature = "gyro-icm42688"))]
 use super::gyro::{self, Counters};
+#[cfg(feature = "gyro-icm42688")]
+use super::imu::{self, Imu};
 use super::link::Usart;
 use super::output::Output;
 use super::reset;
@@ -22,7 +25,11 @@ use crate::unit::devices::Devices;
 const SAMPLING: u8 = 1 << 4;
 
 /// The gyro.
+#[cfg(not(feature = "gyro-icm42688"))]
 pub type BoardGyro = Counters;
+/// The gyro.
+#[cfg(feature = "gyro-icm42688")]
+pub type BoardGyro = Imu;
 /// The flash that holds the store.
 pub type BoardFlash = Sectors;
 
@@ -33,7 +40,7 @@ pub struct Stm32f405 {
     /// Where the store is.
     pub flash: Sectors,
     /// What the sampling interrupt works with.
-    pub gyro: Counters,
+    pub gyro: BoardGyro,
     /// Where the clock comes from.
     pub clock: Source,
 }
@@ -76,19 +83,38 @@ pub fn set_up(core: &mut Peripherals) -> Option<Stm32f405> {
         c.pc4.into_push_pull_output_in_state(PinState::High).erase(),
         c.pc5.into_push_pull_output_in_state(PinState::High).erase(),
     ];
-    let gyro = gyro::Parts {
-        x: (
-            chip.TIM2,
-            a.pa15.into_floating_input(),
-            b.pb3.into_floating_input(),
-        ),
-        y: (chip.TIM5, a.pa0, a.pa1),
-        z: (chip.TIM4, b.pb6, b.pb7),
-        data_ready: c.pc8,
-        output: Output::new(chip.USART6, c.pc6, chip.DMA2, rcc)?,
+    let output = Output::new(chip.USART6, c.pc6, chip.DMA2, rcc)?;
+    #[cfg(not(feature = "gyro-icm42688"))]
+    let gyro = {
+        let parts = gyro::Parts {
+            x: (
+                chip.TIM2,
+                a.pa15.into_floating_input(),
+                b.pb3.into_floating_input(),
+            ),
+            y: (chip.TIM5, a.pa0, a.pa1),
+            z: (chip.TIM4, b.pb6, b.pb7),
+            data_ready: c.pc8,
+            output,
+        };
+        Counters::new(parts, rcc)
+    };
+    #[cfg(feature = "gyro-icm42688")]
+    let gyro = {
+        let parts = imu::Parts {
+            spi: chip.SPI2,
+            clock: b.pb13,
+            input: b.pb14,
+            output: b.pb15,
+            select: b.pb12,
+            ready: b.pb1,
+            exti: chip.EXTI,
+            syscfg: chip.SYSCFG,
+        };
+        Imu::new(parts, c.pc8, output, &mut core.NVIC, rcc)?
     };
     Some(Stm32f405 {
-        gyro: Counters::new(gyro, rcc),
+        gyro,
         flash: Sectors::new(chip.FLASH, feeder),
         clock,
         devices: Devices {
