@@ -128,17 +128,18 @@ impl Rig {
         result
     }
 
-    /// Counts of 40 ns that the simulated chip of the feature `gyro-simulated` has taken so far: the
-    /// word that its image notes behind the flash.
+    /// Samples of the simulated chip of the feature `gyro-simulated`, and counts of 40 ns that its model
+    /// took: what its image notes behind the flash.
     ///
     /// # Panics
     /// If the memory cannot be read.
-    pub fn simulated_counts(&self) -> u32 {
-        let mut word = [0; 4];
+    pub fn simulated_chip(&self) -> [u32; 2] {
+        let mut words = [0; 8];
         self.flash
-            .read_exact_at(&mut word, 0x10_0000)
+            .read_exact_at(&mut words, 0x10_0000)
             .expect("memory");
-        u32::from_le_bytes(word)
+        let word = |place: usize| words[4 * place..][..4].try_into().expect("a word");
+        [0, 1].map(|place| u32::from_le_bytes(word(place)))
     }
 
     /// Sets the temperature of a sensor \[degC\].

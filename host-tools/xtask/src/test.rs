@@ -38,10 +38,17 @@ pub(crate) fn run() -> Result<()> {
         &guards,
         ",link-guard",
     )?;
-    // The application, on the boards that it is for.
-    for board in [Board::Mps2An386, Board::Stm32F405, Board::Mps2An500] {
+    // The application, on the boards and with the gyros that it is for.
+    for (board, gyro) in [
+        (Board::Mps2An386, ""),
+        (Board::Mps2An386, ",gyro-simulated,rate-8khz"),
+        (Board::Stm32F405, ""),
+        (Board::Stm32F405, ",gyro-icm42688"),
+        (Board::Mps2An500, ""),
+    ] {
         let unit = ["--lib", "--bin", "unit"];
-        lint_images(&workspace, board, &[FIRMWARE], &unit, ",application")?;
+        let features = format!(",application{gyro}");
+        lint_images(&workspace, board, &[FIRMWARE], &unit, &features)?;
     }
     // The real board, and one of each other kind of processor.
     for board in [
