@@ -130,9 +130,9 @@ pub enum Error {
     },
     /// The table is of angles that are not the unit's.
     #[error(
-        "axis {axis} of the table {}, but the unit turns pulses into angles by {unit} arcsec; {}: \
-         nothing was written",
+        "axis {axis} of the table {}, but {}; {}: nothing was written",
         made_with(*table),
+        turned_by(*unit),
         make_with(*table, *unit)
     )]
     ScaleFactor {
@@ -207,8 +207,18 @@ fn made_with(scale_factor_arcsec: f32) -> String {
     }
 }
 
+fn turned_by(scale_factor_arcsec: f32) -> String {
+    if scale_factor_arcsec == 0.0 {
+        "the gyro of the unit gives rates, not pulses".to_owned()
+    } else {
+        format!("the unit turns pulses into angles by {scale_factor_arcsec} arcsec")
+    }
+}
+
 fn make_with(table: f32, unit: f32) -> String {
-    if table == 0.0 {
+    if unit == 0.0 {
+        "fit a log of rates, without --scale-factor".to_owned()
+    } else if table == 0.0 {
         "give coefficients.json and --scale-factor".to_owned()
     } else {
         format!("fit again with --scale-factor {unit}, or correct SCALE_FACTOR_ARCSEC of its board")
