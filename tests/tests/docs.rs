@@ -170,6 +170,7 @@ fn the_figures_of_the_unit_are_those_measured() {
         panic!("columns of sizes.txt")
     };
     let other: f64 = committed("sizes.txt", "unit stm32f405 ")[..3].iter().sum();
+    let [slow, fast] = ["2000 ", "8000 "].map(|row| committed("fifo.txt", row)[0]);
     let kilo = |bytes: f64| format!("{:.0}", bytes / 1000.0);
     let (variables, program) = (kilo(data + bss), kilo(text + rodata + data));
     let (ram, stack_kb) = (kilo(data + bss + stack), format!("{:.1}", stack / 1000.0));
@@ -198,6 +199,7 @@ fn the_figures_of_the_unit_are_those_measured() {
                 ),
                 format!("The stack takes {stack_kb} kB at most"),
                 format!("code and constants {program} kB, variables {variables} kB"),
+                format!("come over a bus: {slow} instructions at 2 kHz"),
             ],
         ),
         (
@@ -205,6 +207,14 @@ fn the_figures_of_the_unit_are_those_measured() {
             vec![
                 format!("it takes {latency} instructions at worst"),
                 format!("For all its work it takes {load} per sample"),
+            ],
+        ),
+        (
+            "docs/gyro-inputs.md",
+            vec![
+                format!("| 2 kHz, one by one | {slow} |"),
+                format!("| 8 kHz, blocks of four | {fast} |"),
+                format!("A counter takes {load}."),
             ],
         ),
         (
