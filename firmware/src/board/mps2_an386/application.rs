@@ -18,10 +18,10 @@ use crate::unit::devices::{Devices, ResetCause, Watchdog};
 #[cfg(not(any(feature = "world", feature = "gyro-simulated")))]
 pub use super::bench::BenchGyro as BoardGyro;
 // The output of the simulated gyro is the bench's.
-#[cfg(feature = "gyro-simulated")]
-pub use super::{bench::BenchGyro, imu::Imu as BoardGyro};
 #[cfg(feature = "world")]
 pub use super::world::WorldGyro as BoardGyro;
+#[cfg(feature = "gyro-simulated")]
+pub use super::{bench::BenchGyro, imu::Imu as BoardGyro};
 
 /// The flash that holds the store.
 pub type BoardFlash = Nor<'static>;
