@@ -26,8 +26,8 @@ const WAITING: usize = 64;
 /// Torn reads in a row, or looks without a sample, after which the chip is started again.
 const PATIENCE: u8 = 4;
 
-/// Time from one look to the next: more than the 1 ms of a reset \[1/4 ms\].
-const LOOK_QUARTERS: u16 = 6;
+/// Reads from one check of a register to the next.
+const READS_PER_CHECK: u8 = 64;
 
 /// Time without a sample from which on the gyro is silent \[ms\].
 const SILENT_MS: u16 = 10;
@@ -35,17 +35,19 @@ const SILENT_MS: u16 = 10;
 /// The count that marks an axis of a sample as not valid.
 pub const INVALID_COUNT: i32 = INVALID as i32;
 
-/// How the sampling watches a chip of these settings.
+/// How the sampling watches a chip of these settings: it looks 1.5 ms after a block was due, which is
+/// more than a reset takes.
 pub const fn clock(settings: &Settings) -> Clock {
-    let per_ms = settings.rate.hz() / 1000;
-    let look_after = LOOK_QUARTERS * per_ms / 4;
+    let rate_hz = settings.rate.hz();
+    let look_after = settings.block as u16 + rate_hz.div_ceil(1000) * 3 / 2;
+    let silent_after = rate_hz / 1000 * SILENT_MS;
     assert!(
-        settings.block > 0 && (settings.block as u16) < look_after,
+        settings.block > 0 && look_after < silent_after,
         "a block takes longer than its absence is borne"
     );
     Clock::Own {
         look_after,
-        silent_after: SILENT_MS * per_ms,
+        silent_after,
     }
 }
 
@@ -90,6 +92,7 @@ impl Channel {
             shared: &self.shared,
             state: State::Off,
             failures: 0,
+            unchecked: 0,
         };
         let samples = Samples {
             queue: consumer,
@@ -115,6 +118,8 @@ pub struct Reader<'q, SPI> {
     state: State,
     /// Torn reads, or looks without a sample, in a row.
     failures: u8,
+    /// Reads since the last check of a register.
+    unchecked: u8,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -173,6 +178,7 @@ impl<SPI: SpiDevice> Reader<'_, SPI> {
                 lost += 1;
             }
         });
+        let burst = burst.and_then(|burst| self.check().map(|()| burst));
         let has_failed = match burst {
             Ok(burst) => {
                 lost += u32::from(burst.lost);
@@ -201,6 +207,16 @@ impl<SPI: SpiDevice> Reader<'_, SPI> {
         if is_sampling {
             add(&self.shared.lost, lost);
         }
+    }
+
+    /// Now and then, whether the chip still holds one of its settings.
+    fn check(&mut self) -> Result<(), ChipFault> {
+        self.unchecked += 1;
+        if self.unchecked < READS_PER_CHECK {
+            return Ok(());
+        }
+        self.unchecked = 0;
+        self.chip.check()
     }
 }
 

@@ -329,6 +329,23 @@ fn a_chip_that_reset_itself_is_started_again() {
     });
 }
 
+/// A range that changes by itself would be a scale that is wrong: it is found within 900 reads.
+#[test]
+fn a_setting_that_is_lost_is_found() {
+    const GYRO_CONFIG0: u8 = 0x4f;
+    run(0, at_rest, |bench, unit, world| {
+        world.chip().upset(GYRO_CONFIG0, OutputRate::Hz2000 as u8);
+        bench.wait(unit, 9.0);
+        let log = bench.log(unit);
+        let named = log.iter().any(|(fault, _)| *fault == Fault::GyroSilent);
+        assert!(named, "it was started again: {log:?}");
+        bench.wait(unit, 5.0);
+        let telemetry = bench.telemetry(unit);
+        assert_eq!(telemetry.faults, FaultSet::NONE);
+        assert!(telemetry.overruns >= 1);
+    });
+}
+
 /// A sample that the part marks is flagged, and all others are good.
 #[test]
 fn a_sample_that_is_not_valid_is_never_given_out_as_good() {

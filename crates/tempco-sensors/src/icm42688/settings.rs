@@ -8,6 +8,9 @@ use super::registers::{
     INTF_CONFIG1, PACKET, PWR_MGMT0, STOP_ON_FULL, TMST_CONFIG,
 };
 
+/// Registers of bank 0 that are set.
+pub(super) const REGISTERS: usize = 14;
+
 /// Largest rate of rotation that is measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -120,7 +123,7 @@ pub struct Settings {
 impl Settings {
     /// Registers of bank 0 in the order in which they are written, with what they must hold. The
     /// sensors are switched on last: nothing may be written for 200 us from then on.
-    pub(super) const fn registers(&self) -> [(u8, u8); 14] {
+    pub(super) const fn registers(&self) -> [(u8, u8); REGISTERS] {
         let rate = self.rate as u8;
         let [high, low] = (self.block as u16 * PACKET as u16).to_be_bytes();
         [

@@ -92,6 +92,12 @@ impl<T: FnMut() -> u32> Simulated<T> {
         self.number
     }
 
+    /// A register of bank 0 takes another value by itself.
+    pub fn upset(&mut self, address: u8, value: u8) {
+        self.bank = 0;
+        self.write(address, value);
+    }
+
     /// The supply fails for a moment.
     pub fn restart(&mut self) {
         self.banks = DELIVERED;
