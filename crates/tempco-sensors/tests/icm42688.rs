@@ -389,6 +389,15 @@ fn a_torn_read_is_seen_and_counted() {
         assert_eq!(bench.samples.len(), 4);
         assert_eq!(bench.gaps(), [6]);
     }
+    // A full FIFO of which the first read is torn.
+    let mut bench = Bench::new(SETTINGS, 0);
+    bench.drain();
+    let period = bench.chip.0.borrow().period_at(2000);
+    bench.wait(136 * period);
+    bench.chip.0.borrow_mut().is_torn = true;
+    assert_eq!(bench.read(), Err(ChipFault::Torn));
+    bench.wait(period);
+    assert_eq!(bench.drain(), 136);
     // An empty FIFO that says it had a packet.
     let mut bench = Bench::new(SETTINGS, 0);
     bench.drain();

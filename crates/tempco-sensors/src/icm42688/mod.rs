@@ -78,8 +78,8 @@ impl core::error::Error for ChipFault {}
 pub struct Burst {
     /// Samples that were in the FIFO.
     pub waiting: u16,
-    /// Samples that are missing before or between those that were read. It is exact up to some 40
-    /// in a row, and to 2 % beyond. Where the FIFO was full it is at least 1.
+    /// Samples that were found missing since the last burst. It is exact up to some 40 in a row, and
+    /// to 2 % beyond. Where the FIFO was full it is at least 1.
     pub lost: u16,
 }
 
@@ -92,7 +92,9 @@ pub struct Icm42688<SPI> {
     settling: u16,
     /// Time stamp of the last sample.
     stamp: Option<u16>,
-    /// Lost samples that a full FIFO told of before the time stamps do.
+    /// Lost samples that were not yet handed out in a burst, and those among all of them that a full
+    /// FIFO has shown before the time stamps do.
+    lost: u16,
     foreseen: u16,
     /// Place of the register that is checked next.
     checked: usize,
@@ -112,6 +114,7 @@ impl<SPI: SpiDevice> Icm42688<SPI> {
             settings,
             settling: 0,
             stamp: None,
+            lost: 0,
             foreseen: 0,
             checked: 0,
         }
@@ -177,7 +180,7 @@ impl<SPI: SpiDevice> Icm42688<SPI> {
     ///
     /// # Errors
     /// [`ChipFault::Restarted`], [`ChipFault::Bus`]: the chip must be started again.
-    /// [`ChipFault::Torn`]: what was taken before is good, and the next read tells what was lost.
+    /// [`ChipFault::Torn`]: what was taken before is good, and a later burst says what was lost.
     pub fn read(&mut self, mut each: impl FnMut([i16; 3])) -> Result<Burst, ChipFault> {
         let [status, high, low] = self.registers(INT_STATUS)?;
         let count = u16::from_be_bytes([high, low]);
@@ -187,23 +190,19 @@ impl<SPI: SpiDevice> Icm42688<SPI> {
         if status & RESET_DONE != 0 {
             return Err(ChipFault::Restarted);
         }
-        let mut burst = Burst {
-            waiting: count / PACKET as u16,
-            lost: 0,
-        };
         if status & FIFO_FULL != 0 && self.foreseen == 0 {
             self.foreseen = 1;
-            burst.lost = 1;
+            self.lost = self.lost.saturating_add(1);
         }
         if !usize::from(count).is_multiple_of(PACKET) {
             return self.torn();
         }
         let mut bytes = [0; BURST * PACKET];
         let length = usize::from(count).min(bytes.len());
-        let Some(bytes @ [_, ..]) = bytes.get_mut(..length) else {
-            return Ok(burst);
-        };
-        self.read_into(FIFO_DATA, bytes)?;
+        let bytes = bytes.get_mut(..length).unwrap_or_default();
+        if !bytes.is_empty() {
+            self.read_into(FIFO_DATA, bytes)?;
+        }
         for packet in bytes.as_chunks().0 {
             let Some((counts, stamp)) = unpack(packet) else {
                 return self.torn();
@@ -212,11 +211,14 @@ impl<SPI: SpiDevice> Icm42688<SPI> {
             if self.settling > 0 {
                 self.settling -= 1;
             } else {
-                burst.lost = burst.lost.saturating_add(lost);
+                self.lost = self.lost.saturating_add(lost);
                 each(counts);
             }
         }
-        Ok(burst)
+        Ok(Burst {
+            waiting: count / PACKET as u16,
+            lost: core::mem::take(&mut self.lost),
+        })
     }
 
     /// Whether the samples that are left out after a start have passed.
