@@ -570,6 +570,27 @@ fn telemetry_is_of_samples_and_its_time_increases() {
     });
 }
 
+/// Whole counts that come now and then: a message of a sample more or less would show.
+#[test]
+fn telemetry_is_of_as_many_samples_as_its_period_has() {
+    let mut bench = Bench::with_tables();
+    bench.boot(|bench, unit| {
+        bench.connect(unit);
+        bench.wait(unit, SETTLED_S);
+        let request = Request::Telemetry { period_ms: 100 };
+        bench.ask(unit, &request, |_| Some(()));
+        let mut all = Vec::new();
+        for step in 0..500 {
+            bench.counts.set((step % 10 == 0).into());
+            all.extend(bench.unasked(unit, 1.0 / SCHEDULE.sample_rate_hz));
+        }
+        assert!(all.len() >= 20, "{}", all.len());
+        for telemetry in all {
+            assert_eq!(telemetry.raw, [0.1 * SCHEDULE.sample_rate_hz; AXES]);
+        }
+    });
+}
+
 #[test]
 fn periods_without_an_interrupt_are_counted_and_time_goes_on() {
     let mut bench = Bench::with_tables();

@@ -10,7 +10,7 @@ use super::mean::Mean;
 pub(super) struct Recent<const C: usize, const A: usize> {
     raw: Mean<C, A>,
     bias: Mean<C, A>,
-    has_samples: bool,
+    samples: u32,
     status: Option<[Status; C]>,
     /// Time of the last message.
     sent_ms: Option<u32>,
@@ -33,19 +33,24 @@ impl<const C: usize, const A: usize> Recent<C, A> {
             self.raw.add(&moment.raw);
             self.bias.add(&moment.bias);
         }
-        self.has_samples = true;
+        self.samples = self.samples.saturating_add(1);
         self.status = Some(moment.status);
+    }
+
+    /// Samples since the last message, valid or not.
+    pub(super) const fn samples(&self) -> u32 {
+        self.samples
     }
 
     /// Whether there is a sample, and a later time, since the last message.
     pub(super) fn has_news(&self, now_ms: u32) -> bool {
-        self.has_samples && self.sent_ms != Some(now_ms)
+        self.samples > 0 && self.sent_ms != Some(now_ms)
     }
 
     /// The means for a message that is sent now.
     pub(super) fn take(&mut self, now_ms: u32) -> Means<C, A> {
         self.sent_ms = Some(now_ms);
-        self.has_samples = false;
+        self.samples = 0;
         let is_valid = self.raw.count() > 0;
         let mean = |mean: &mut Mean<C, A>| core::mem::take(mean).means();
         let raw = mean(&mut self.raw);

@@ -46,8 +46,7 @@ where
                 max_bias: self.fits(|fit| fit.max_bias),
             },
             Request::Telemetry { period_ms } => {
-                self.period_ms = period_ms;
-                self.unasked_ms = self.time.now_ms();
+                self.begin_telemetry(period_ms);
                 self.next_telemetry()
             }
             Request::Sample(sample) => self.step(&sample),

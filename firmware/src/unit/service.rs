@@ -23,6 +23,9 @@ use super::time::Time;
 use super::wire::{axes, channels};
 use super::{UnitTables, UnitThermal};
 
+/// A message waits so much longer for its samples than its period and an eighth \[ms\].
+const LATE_MS: u32 = 2;
+
 /// Where the models are evaluated without a table.
 const NOWHERE: ThermalPoint = ThermalPoint {
     effective_c: f32::NAN,
@@ -64,9 +67,11 @@ pub(super) struct Service<'t, F, T, K, const C: usize, const A: usize> {
     pub(super) dropped_frames: u32,
     telemetry_index: u32,
     /// Period of the telemetry that is sent without being asked for; none where it is 0.
-    pub(super) period_ms: u32,
-    /// When the last message was due that was sent so, or when the first one was asked for.
-    pub(super) unasked_ms: u32,
+    period_ms: u32,
+    /// Time of the last message that was sent so, or when the first one was asked for.
+    unasked_ms: u32,
+    /// Samples of such a message.
+    message_samples: u32,
     pub(super) replay: Option<Replay<'t, C, A>>,
     /// Compensated samples of the last block.
     pub(super) block: Vec<u8, MAX_BLOCK>,
@@ -121,6 +126,7 @@ where
             telemetry_index: 0,
             period_ms: 0,
             unasked_ms: 0,
+            message_samples: u32::MAX,
             replay: None,
             block: Vec::new(),
         };
@@ -142,12 +148,33 @@ where
         }
     }
 
-    /// Takes what the interrupt has measured.
+    /// Takes what the interrupt has measured, up to the end of the message that is under way.
     pub(super) fn drain(&mut self) {
         self.time.look(self.ends.counts.periods());
-        while let Some(moment) = self.ends.moments.dequeue() {
+        while (self.recent.samples() < self.message_samples || self.is_late())
+            && let Some(moment) = self.ends.moments.dequeue()
+        {
             self.take(&moment);
         }
+    }
+
+    /// Sends telemetry without being asked for it from now on, every period \[ms\]; not where it is 0.
+    pub(super) fn begin_telemetry(&mut self, period_ms: u32) {
+        self.period_ms = period_ms;
+        self.unasked_ms = self.time.now_ms();
+        // As many as a period has, so that means of pulses have no jitter.
+        let samples = period_ms as f32 / 1000.0 * self.schedule.sample_rate_hz;
+        self.message_samples = match samples as u32 {
+            0 => u32::MAX,
+            samples => samples,
+        };
+    }
+
+    /// Whether a message does not wait for its samples any more: a gyro with a clock of its own may be
+    /// slow or silent, and a line too slow for the period.
+    fn is_late(&self) -> bool {
+        let since_ms = self.time.now_ms().wrapping_sub(self.unasked_ms);
+        since_ms > self.period_ms.saturating_add(self.period_ms / 8 + LATE_MS)
     }
 
     /// Takes a moment of the gyro: into the means, the re-zero that is under way, and the faults.
@@ -261,14 +288,13 @@ where
     /// The telemetry that is due without being asked for.
     pub(super) fn due_telemetry(&mut self) -> Option<Telemetry> {
         let now_ms = self.time.now_ms();
-        let since_ms = now_ms.wrapping_sub(self.unasked_ms);
-        // None where the period is 0.
-        let late_ms = since_ms.checked_rem(self.period_ms)?;
-        if since_ms < self.period_ms || !self.recent.has_news(now_ms) {
+        if self.period_ms == 0 || !self.recent.has_news(now_ms) {
             return None;
         }
-        // On a grid, so that a pass that comes late shifts one message and not all that follow.
-        self.unasked_ms = now_ms.wrapping_sub(late_ms);
+        if self.recent.samples() < self.message_samples && !self.is_late() {
+            return None;
+        }
+        self.unasked_ms = now_ms;
         Some(self.telemetry())
     }
 

@@ -56,7 +56,8 @@ pub struct WorldThermometers {
     /// What has come of a point.
     received: Vec<u8, LEN>,
     points: Deque<Point, AHEAD>,
-    temp_c: f32,
+    /// None before the first point.
+    temp_c: Option<f32>,
     /// Readings until the host is asked for the first point; none once it has come.
     asks_in: Option<u8>,
 }
@@ -67,7 +68,7 @@ impl WorldThermometers {
             line,
             received: Vec::new(),
             points: Deque::new(),
-            temp_c: f32::NAN,
+            temp_c: None,
             asks_in: Some(0),
         }
     }
@@ -113,7 +114,7 @@ impl WorldThermometers {
     }
 
     fn take(&mut self, point: Point) {
-        self.temp_c = point.temp_c;
+        self.temp_c = Some(point.temp_c);
         for (rate, new) in RATES.iter().zip(point.rates) {
             rate.store(new, Ordering::Relaxed);
         }
@@ -156,10 +157,10 @@ impl<const C: usize> Thermometers<C> for WorldThermometers {
             }
             None => self.say(b'-'),
         }
-        let reading = if self.temp_c.is_nan() {
-            Err(SensorFault::Open)
-        } else {
-            Ok(self.temp_c)
+        let reading = match self.temp_c {
+            None => Err(SensorFault::NotReady),
+            Some(temp_c) if temp_c.is_nan() => Err(SensorFault::Open),
+            Some(temp_c) => Ok(temp_c),
         };
         [reading; C]
     }

@@ -24,8 +24,8 @@ use crate::simulate::{profile, unit};
 /// and takes no time from it.
 const AT_PACE: MachineTime = MachineTime::Counted { shift: 6 };
 
-/// As fast as it goes: an instruction takes 256 ns, of which the unit needs 0.8 million per second.
-const FAST: MachineTime = MachineTime::Unbound { shift: 8 };
+/// As fast as it goes: an instruction takes 512 ns. The unit needs 0.8 million of them per second.
+const FAST: MachineTime = MachineTime::Unbound { shift: 9 };
 
 /// Run an emulated unit in a simulated chamber
 ///

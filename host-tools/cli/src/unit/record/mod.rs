@@ -150,6 +150,11 @@ impl<'a> Recorder<'a> {
 
     /// Writes a row.
     fn take(&mut self, telemetry: &Telemetry) -> Result<()> {
+        let has_begun = self.rows.count() > 0;
+        if !has_begun && telemetry.temps_c.iter().any(|temp_c| temp_c.is_nan()) {
+            // The thermometers have not been read yet.
+            return Ok(());
+        }
         if !telemetry.raw.iter().all(|raw| raw.is_finite()) {
             self.timeline.mark(Gap::Invalid);
             return Ok(());
