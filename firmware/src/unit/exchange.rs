@@ -59,6 +59,14 @@ pub struct Counts {
     pub latency: AtomicU32,
 }
 
+/// Counts at the last self-test, by which new faults are seen.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Known {
+    pub(super) overruns: u32,
+    pub(super) data_ready: u32,
+    pub(super) silent: u32,
+}
+
 impl Counts {
     /// Nothing counted yet.
     pub const fn new() -> Self {

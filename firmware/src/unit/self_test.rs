@@ -5,15 +5,8 @@ use core::sync::atomic::Ordering;
 use tempco_link::{Fault, FaultSet};
 
 use super::devices::{Flash, SampleClock, Thermometers};
+use super::exchange::Known;
 use super::service::Service;
-
-/// Counts at the last self-test.
-#[derive(Clone, Copy, Default)]
-pub(super) struct Known {
-    overruns: u32,
-    data_ready: u32,
-    silent: u32,
-}
 
 impl<F, T, K, const C: usize, const A: usize> Service<'_, F, T, K, C, A>
 where

@@ -9,14 +9,13 @@ use tempco_link::{Channels, Fault, Losses, MAX_BLOCK, Outcome, Refusal, Telemetr
 use tempco_replay::Replay;
 
 use super::devices::{Flash, SampleClock, Thermometers};
-use super::exchange::{MainEnds, Moment, publish};
+use super::exchange::{Known, MainEnds, Moment, publish};
 use super::health::{Health, faults_of};
 use super::load::Load;
 use super::offsets::Offsets;
 use super::parts::Parts;
 use super::recent::{Means, Recent};
 use super::sampling::difference;
-use super::self_test::Known;
 use super::storage::Storage;
 use super::thermometry::Thermometry;
 use super::time::Time;
