@@ -7,7 +7,6 @@ mod dist;
 mod figure;
 mod golden;
 mod paper;
-mod programs;
 mod prove;
 mod python;
 mod run;

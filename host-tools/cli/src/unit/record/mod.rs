@@ -23,6 +23,9 @@ use crate::unit::port_args::PortArgs;
 /// Time beyond the period without a message, after which the unit is asked again.
 const SILENCE: Duration = Duration::from_secs(2);
 
+/// Time since power-on within which a unit may have no temperature yet \[ms\].
+const WARM_UP_MS: u32 = 3000;
+
 /// Time between two attempts to reach a unit whose line was lost.
 const RETRY: Duration = Duration::from_millis(500);
 
@@ -150,8 +153,8 @@ impl<'a> Recorder<'a> {
 
     /// Writes a row.
     fn take(&mut self, telemetry: &Telemetry) -> Result<()> {
-        let has_begun = self.rows.count() > 0;
-        if !has_begun && telemetry.temps_c.iter().any(|temp_c| temp_c.is_nan()) {
+        let has_all = telemetry.temps_c.iter().all(|temp_c| temp_c.is_finite());
+        if !has_all && telemetry.uptime_ms < WARM_UP_MS {
             // The thermometers have not been read yet.
             return Ok(());
         }
