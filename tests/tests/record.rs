@@ -118,16 +118,24 @@ fn a_recording_goes_on_after_a_reset_and_a_lost_line() {
         .map(|(row, cells)| (row, cells[6]))
         .filter(|(_, gap)| !gap.is_empty())
         .collect();
-    let [(reset, "reset"), (cut, "line")] = gaps[..] else {
-        panic!("{gaps:?} {}", ran.err)
-    };
-    assert!(ran.out.contains("2 gaps; wrote log.csv"), "{}", ran.out);
-    // Between the gaps no row is missing, though the emulator may have to wait for the line.
-    for part in [1..reset, reset + 1..cut, cut + 1..rows.len()] {
-        let (from, to) = (part.start - 1, part.end - 1);
-        let interval_s = (times[to] - times[from]) / (to - from) as f64;
-        assert!((interval_s - 0.1).abs() < 0.002, "{part:?}: {interval_s}");
-    }
+    // On a busy machine a message may be lost besides, which is said too.
+    let causes: Vec<&str> = gaps.iter().map(|(_, cause)| *cause).collect();
+    let known = causes.iter().filter(|cause| **cause != "lost");
+    assert_eq!(
+        known.collect::<Vec<_>>(),
+        [&"reset", &"line"],
+        "{}",
+        ran.err
+    );
+    let count = format!("{} gaps; wrote log.csv", gaps.len());
+    assert!(ran.out.contains(&count), "{}", ran.out);
+    // Elsewhere no row is missing, though the emulator may have to wait for the line.
+    let intervals_s = (1..rows.len())
+        .filter(|row| cells[*row][6].is_empty())
+        .map(|row| times[row] - times[row - 1]);
+    let intervals_s: Vec<f64> = intervals_s.collect();
+    let mean_s = intervals_s.iter().sum::<f64>() / intervals_s.len() as f64;
+    assert!((mean_s - 0.1).abs() < 0.002, "{mean_s}");
     for cells in &cells {
         assert_eq!(cells.len(), 7, "{cells:?}");
         assert!(cells[1].starts_with("25"), "{cells:?}");
