@@ -18,6 +18,7 @@ use tempco_sensors::icm42688::{ChipFault, INVALID, Icm42688, Settings};
 
 use crate::queue::{Consumer, Producer, Queue};
 use crate::unit::devices::{Clock, Lost};
+use crate::unit::exchange::add;
 
 /// Samples that may wait for the sampling interrupt, and one place that a queue cannot use. It comes
 /// at once.
@@ -250,10 +251,4 @@ impl Samples<'_> {
             data_ready: now.data_ready.wrapping_sub(before.data_ready),
         }
     }
-}
-
-/// Load and store suffice: there is one writer.
-fn add(count: &AtomicU32, more: u32) {
-    let sum = count.load(Ordering::Relaxed).wrapping_add(more);
-    count.store(sum, Ordering::Relaxed);
 }

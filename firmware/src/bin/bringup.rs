@@ -28,6 +28,7 @@ mod image {
     };
     use tempco_firmware::target::{banner, exit};
     use tempco_firmware::unit::devices::{Gyro, Thermometers, Watchdog};
+    use tempco_firmware::unit::exchange::add;
 
     const SAMPLE_RATE_HZ: u32 = 2000;
     /// Readings of the sensors: they are started, their wires are checked, a temperature comes.
@@ -126,12 +127,6 @@ mod image {
         SAMPLES.load(Ordering::Relaxed)
     }
 
-    /// Load and store suffice: there is one writer.
-    fn add(count: &AtomicU32) {
-        let sum = count.load(Ordering::Relaxed).wrapping_add(1);
-        count.store(sum, Ordering::Relaxed);
-    }
-
     /// The timer's, or that of a gyro which has a sample.
     #[exception]
     fn SysTick() {
@@ -142,7 +137,7 @@ mod image {
         }
         let Some((gyro, timer)) = MINE else { return };
         if timer.has_wrapped() {
-            add(&TICKS);
+            add(&TICKS, 1);
         }
         let Some(counts): Option<[[i32; AXES]; 1]> = gyro.sample() else {
             return;
@@ -155,6 +150,6 @@ mod image {
         }
         let output = counts.map(|counts| counts.map(|count| count as f32));
         gyro.put(&output, &[Status::OK]);
-        add(&SAMPLES);
+        add(&SAMPLES, 1);
     }
 }

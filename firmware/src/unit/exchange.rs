@@ -59,6 +59,12 @@ pub struct Counts {
     pub latency: AtomicU32,
 }
 
+/// Adds to a count of one writer, for which load and store suffice.
+pub fn add(count: &AtomicU32, more: u32) {
+    let sum = count.load(Ordering::Relaxed).wrapping_add(more);
+    count.store(sum, Ordering::Relaxed);
+}
+
 /// Counts at the last self-test, by which new faults are seen.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Known {

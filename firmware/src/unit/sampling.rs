@@ -5,7 +5,7 @@ use core::sync::atomic::{AtomicU32, Ordering};
 use tempco::{Corrector, Status};
 
 use super::devices::{Clock, Gyro, Lost, SampleClock};
-use super::exchange::{InterruptEnds, Moment, Reply};
+use super::exchange::{InterruptEnds, Moment, Reply, add};
 
 /// The interrupt's own state. Nothing in it waits, and nothing depends on what a sample is.
 pub struct Sampling<'t, G, const C: usize, const A: usize> {
@@ -215,12 +215,6 @@ pub(super) fn difference<const C: usize, const A: usize>(
     core::array::from_fn(|channel| {
         core::array::from_fn(|axis| raw[channel][axis] - bias[channel][axis])
     })
-}
-
-/// Load and store suffice: there is one writer.
-fn add(count: &AtomicU32, more: u32) {
-    let sum = count.load(Ordering::Relaxed).wrapping_add(more);
-    count.store(sum, Ordering::Relaxed);
 }
 
 /// As [`add`].

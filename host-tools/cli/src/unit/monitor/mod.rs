@@ -5,7 +5,7 @@ mod show;
 use std::io::{IsTerminal, stdout};
 use std::time::Duration;
 
-use anyhow::{Result, ensure};
+use anyhow::Result;
 use serde::Serialize;
 use tempco_hil::Unit;
 use tempco_link::Telemetry;
@@ -13,7 +13,7 @@ use tempco_link::Telemetry;
 use crate::Exit;
 use crate::output::{print_json, say};
 use crate::status::status_names;
-use crate::unit::port_args::PortArgs;
+use crate::unit::port_args::{PortArgs, check_period};
 
 /// Time beyond the period without a message, after which the unit is asked again: it may have been
 /// reset.
@@ -42,10 +42,7 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(args: &Args) -> Result<Exit> {
-    ensure!(
-        args.period > 0,
-        "--period 0: expected milliseconds, above 0"
-    );
+    check_period(args.period)?;
     let mut unit = args.port.connect()?;
     let identity = unit.identify()?;
     let mut view = show::View::new(&identity, stdout().is_terminal());

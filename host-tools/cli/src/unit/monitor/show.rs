@@ -150,29 +150,14 @@ fn line(telemetry: &Telemetry) -> String {
 
 #[cfg(test)]
 mod tests {
-    use tempco::Schedule;
-    use tempco_link::{Bank, Fault, FaultSet, Outcome};
+    use tempco_link::{Fault, FaultSet, Outcome};
 
     use super::*;
+    use crate::unit::port_args::tests::identity;
 
     #[test]
     fn a_message_is_shown_with_units_status_and_faults() {
-        let identity = Identity {
-            serial: "S1".to_owned(),
-            firmware: "1".to_owned(),
-            channels: 1,
-            axes: 2,
-            schedule: Schedule {
-                sample_rate_hz: 2000.0,
-                samples_per_update: 200,
-            },
-            bank: None,
-            spare: Bank::A,
-            table_crc: 0,
-            sequence: 0,
-            scale_factor_arcsec: 1.0,
-            fits: Vec::new(),
-        };
+        let identity = identity(1, 2);
         let channel = ChannelTelemetry {
             effective_c: 24.5,
             rate_c_per_min: -0.25,

@@ -18,7 +18,7 @@ use self::timeline::{Gap, Timeline};
 use crate::Exit;
 use crate::output::{figure, print, say};
 use crate::progress::Progress;
-use crate::unit::port_args::PortArgs;
+use crate::unit::port_args::{PortArgs, check_period};
 
 /// Time beyond the period without a message, after which the unit is asked again.
 const SILENCE: Duration = Duration::from_secs(2);
@@ -54,10 +54,7 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(args: &Args) -> Result<Exit> {
-    ensure!(
-        args.period > 0,
-        "--period 0: expected milliseconds, above 0"
-    );
+    check_period(args.period)?;
     if let Some(duration_s) = args.duration {
         ensure!(
             duration_s > 0.0 && duration_s < 1e9,

@@ -112,37 +112,11 @@ fn header(identity: &Identity) -> String {
 mod tests {
     use std::fs;
 
-    use tempco::Schedule;
-    use tempco_image::{Fit, Unit};
-    use tempco_link::Bank;
     use tempco_log::{ReadOptions, read_log};
     use tempco_set::files::ScratchFolder;
 
     use super::*;
-
-    fn unit(channels: u8, axes: u8) -> Identity {
-        let fit = Fit {
-            unit: Unit::PulsesPerS,
-            scale_factor_arcsec: 1.0,
-            max_bias: 1.0,
-        };
-        Identity {
-            serial: String::new(),
-            firmware: String::new(),
-            channels,
-            axes,
-            schedule: Schedule {
-                sample_rate_hz: 2000.0,
-                samples_per_update: 200,
-            },
-            bank: None,
-            spare: Bank::A,
-            table_crc: 0,
-            sequence: 0,
-            scale_factor_arcsec: 1.0,
-            fits: vec![fit; usize::from(channels * axes)],
-        }
-    }
+    use crate::unit::port_args::tests::identity;
 
     /// Every shape is read as it was written: each axis with the temperature of its channel.
     #[test]
@@ -150,7 +124,7 @@ mod tests {
         let folder = ScratchFolder::new().unwrap();
         let path = folder.path().join("log.csv");
         for (channels, axes) in [(1, 1), (1, 3), (1, 6), (2, 3), (3, 1), (6, 1), (3, 2)] {
-            let mut rows = Rows::new(&unit(channels, axes));
+            let mut rows = Rows::new(&identity(channels, axes));
             let mut text = rows.header().to_owned();
             for index in 0..5_u64 {
                 let message = Telemetry {
