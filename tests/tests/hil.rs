@@ -97,8 +97,9 @@ fn a_set_goes_into_the_emulated_unit_and_logs_through_it_bit_for_bit() {
         ));
         let expected = format!("0 of {rows} samples differ between host and unit {SERIAL} at");
         assert!(out.contains(&expected), "{out}");
-        // A frame may be dropped: the line of the emulator is as fast as a busy host lets it be. It is
-        // then sent again.
+        // One may be: the line of the emulator is as fast as a busy host lets it be. It is sent again.
+        let few = [" 0 frames dropped", " 1 frames dropped"];
+        assert!(few.iter().any(|few| out.contains(few)), "{out}");
         assert!(out.contains(" 0 overruns,"), "{out}");
     }
     let ran = bench.run(&format!(
