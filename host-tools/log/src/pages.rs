@@ -224,6 +224,7 @@ mod tests {
 
     use flate2::write::GzEncoder;
     use parquet::basic::{Encoding, GzipLevel, ZstdLevel};
+    use ruzstd::encoding::{CompressionLevel, compress_to_vec};
 
     use super::*;
 
@@ -237,7 +238,7 @@ mod tests {
                 encoder.write_all(bytes).unwrap();
                 encoder.finish().unwrap()
             }
-            Compression::ZSTD(_) => zstd::encode_all(bytes, 1).unwrap(),
+            Compression::ZSTD(_) => compress_to_vec(bytes, CompressionLevel::Fastest),
             Compression::LZ4_RAW => lz4_flex::block::compress(bytes),
             _ => bytes.to_vec(),
         }

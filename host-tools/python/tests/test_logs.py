@@ -4,6 +4,7 @@ import numpy as np
 import pandas as pd
 import polars as pl
 import pyarrow as pa
+import pyarrow.parquet as pq
 import pytest
 
 import tempco
@@ -112,6 +113,41 @@ def test_a_frame_of_the_numbers_of_a_file_is_the_log_of_the_file(columns, tmp_pa
     of_frame = tempco.Log(pd.read_csv(path))
     fits = [tempco.fit(log, "S1", model="static") for log in (of_file, path, of_frame)]
     assert len({of.table_crc32 for of in fits}) == 1
+
+
+def assert_same(path, expected):
+    for name, values in tempco.read(path).columns().items():
+        np.testing.assert_array_equal(values, expected[name], err_msg=str(path))
+
+
+@pytest.mark.parametrize("level", [-5, 1, 3, 9, 19])
+def test_text_packed_by_zstd_is_read(level, columns, tmp_path):
+    text = pl.DataFrame(columns).write_csv().encode()
+    plain, packed = tmp_path / "log.csv", tmp_path / "log.csv.zst"
+    plain.write_bytes(text)
+    codec = pa.Codec("zstd", compression_level=level)
+    # Two frames, one behind the other.
+    parts = [text[:70_000], text[70_000:]]
+    packed.write_bytes(b"".join(codec.compress(part, asbytes=True) for part in parts))
+    assert_same(packed, tempco.read(plain).columns())
+
+
+@pytest.mark.parametrize("version", ["1.0", "2.0"])
+@pytest.mark.parametrize("dictionary", [False, True])
+@pytest.mark.parametrize("packing", ["none", "snappy", "gzip", "zstd", "lz4"])
+def test_parquet_packed_in_any_way_is_read(packing, dictionary, version, columns, tmp_path):
+    plain, path = tmp_path / "log.csv", tmp_path / "log.parquet"
+    pl.DataFrame(columns).write_csv(plain)
+    pq.write_table(
+        pa.table(columns),
+        path,
+        compression=packing,
+        use_dictionary=dictionary,
+        data_page_version=version,
+        data_page_size=5000,
+        row_group_size=3000,
+    )
+    assert_same(path, tempco.read(plain).columns())
 
 
 def bad(columns, **changed):

@@ -113,21 +113,26 @@ pub fn build_host(
     profile: Profile,
     variant: &Variant,
 ) -> Result<PathBuf, Error> {
-    let target_dir = workspace.target_dir();
     let _lock = workspace.lock()?;
-    let (argument, folder) = match profile {
-        Profile::Dev => ("dev", "debug"),
-        Profile::Firmware => ("firmware", "firmware"),
+    let (mut command, built) = match profile {
+        // As the tests of the workspace build it, where they do, so that it is there.
+        Profile::Dev => {
+            let folder = workspace.host_dir();
+            let mut command = clean_cargo(workspace, "build", &folder);
+            command.args(["--workspace", "--bin", bin]);
+            (command, folder.join("debug"))
+        }
+        Profile::Firmware => {
+            let folder = workspace.target_dir();
+            let mut command = cargo(workspace, &folder, bin, variant);
+            command.args(["--profile", "firmware"]);
+            (command, folder.join("firmware"))
+        }
     };
-    let mut command = cargo(workspace, &target_dir, bin, variant);
-    checked(command.args(["--profile", argument]))?;
-    let built = target_dir.join(folder).join(bin);
-    let name = format!("{bin}-host-{folder}{}", variant.name);
-    keep(
-        &built.with_extension(env::consts::EXE_EXTENSION),
-        &target_dir,
-        &name,
-    )
+    checked(&mut command)?;
+    let built = built.join(bin).with_extension(env::consts::EXE_EXTENSION);
+    let name = format!("{bin}-host-{profile:?}{}", variant.name);
+    keep(&built, &workspace.target_dir(), &name)
 }
 
 /// A profile of cargo.

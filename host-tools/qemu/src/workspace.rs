@@ -41,11 +41,15 @@ impl Workspace {
         &self.root
     }
 
-    /// Where firmware is built: apart from the folder of cargo's other artefacts, because that is
-    /// locked by the very `cargo run` or `cargo test` that may have started this program.
+    /// Where firmware is built, apart from cargo's other artefacts: a build of them need not end first.
     pub fn target_dir(&self) -> PathBuf {
+        self.host_dir().join("firmware")
+    }
+
+    /// Where cargo builds for this machine.
+    pub(crate) fn host_dir(&self) -> PathBuf {
         let target = env::var_os("CARGO_TARGET_DIR").map_or("target".into(), PathBuf::from);
-        self.root.join(target).join("firmware")
+        self.root.join(target)
     }
 
     /// Waits until no other process or thread builds or installs; lasts until dropped.

@@ -7,7 +7,7 @@ use std::process::Command;
 use anyhow::{Context, Result, ensure};
 use tempco_qemu::{Workspace, ensure_program};
 
-use crate::run::{build_tempco, run as step, run_and_read};
+use crate::run::{build_tempco, run as step};
 use crate::windows;
 
 /// The crate of the module, below the root of the workspace.
@@ -102,13 +102,18 @@ fn use_it(workspace: &Workspace, wheel: &Path) -> Result<()> {
     step(workspace, fit.current_dir(&folder).args(["-c", lines]))
 }
 
-/// Runs the tests of the Python module; returns how many passed, or why they were skipped.
-pub(crate) fn test(workspace: &Workspace) -> Result<Result<u32, String>> {
+/// The Python of the tests, or why they are skipped.
+pub(crate) fn for_tests(workspace: &Workspace) -> Result<PathBuf, String> {
     let list = format!("{TESTS}/requirements.txt");
-    let python = match environment(workspace, "python", &list) {
-        Ok(python) => python,
-        Err(missing) => return Ok(Err(format!("the tests of the Python module: {missing:#}"))),
-    };
+    environment(workspace, "python", &list)
+        .map_err(|missing| format!("the tests of the Python module: {missing:#}"))
+}
+
+/// Runs the tests of the Python module. Returns their output and how many passed.
+///
+/// # Errors
+/// The module does not build, or tests failed, with what they said.
+pub(crate) fn test(workspace: &Workspace, python: &Path) -> Result<(String, u32)> {
     let Module { command, package } = module(workspace)?;
     let mut pytest = Command::new(python);
     pytest
@@ -121,13 +126,19 @@ pub(crate) fn test(workspace: &Workspace) -> Result<Result<u32, String>> {
         .env("PYTHONDONTWRITEBYTECODE", "1")
         .env("PYTHONPATH", &package)
         .env("TEMPCO_COMMAND", command);
-    let (output, succeeded) = run_and_read(workspace, &mut pytest)?;
-    ensure!(succeeded, "tests of the Python module failed");
-    let counts = output.lines().rev().find_map(|line| {
+    let run = pytest.output()?;
+    let said = String::from_utf8_lossy(&run.stdout).into_owned();
+    let errors = String::from_utf8_lossy(&run.stderr);
+    ensure!(
+        run.status.success(),
+        "tests of the Python module failed:\n{said}{errors}"
+    );
+    let count = said.lines().rev().find_map(|line| {
         let (count, _) = line.split_once(" passed")?;
         count.rsplit(' ').next()?.parse().ok()
     });
-    Ok(Ok(counts.context("pytest did not say how many passed")?))
+    let count = count.context("pytest did not say how many passed")?;
+    Ok((said, count))
 }
 
 /// What is built to be used from Python.
