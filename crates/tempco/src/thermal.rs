@@ -70,13 +70,13 @@ impl ThermalState {
     /// state lost; any other is accepted, so take care that it is good, for instance the median of
     /// several readings.
     pub fn start(&mut self, thermal: &Thermal, temp_c: f32) -> ThermalPoint {
-        *self = Self::new(thermal);
         let Some(conditioner) = Conditioner::start(thermal, temp_c) else {
-            // Counted as rejected; that no time has passed sets no flag at power-on.
-            let point = self.update(thermal, &Interval::new(thermal, 0.0), f32::NAN);
+            *self = Self::new(thermal);
+            self.conditioner.rejected = 1;
             return ThermalPoint {
+                effective_c: self.effective_c,
                 status: Status::TEMPERATURE_INVALID | Status::TEMPERATURE_LOST | Status::SETTLING,
-                ..point
+                ..ThermalPoint::default()
             };
         };
         *self = Self {
@@ -214,5 +214,42 @@ mod tests {
             assert_eq!(dropped.update(&thermal, &second, temp_c), point);
         }
         assert_ne!(dropped, state, "something was dropped");
+    }
+
+    /// A start without a temperature is short for an update in no time without one: all that follows
+    /// is the same, and it counts as rejected.
+    #[test]
+    fn a_start_without_a_temperature_is_an_update_without_one() {
+        for tau_s in [0.1, 59.0, 77.7, 600.0, 6000.0] {
+            let settings = ThermalSettings {
+                tau_s,
+                lag2_max_c: 5.0,
+                half_width1_c: 1.0,
+                rate_start: 1.5,
+                ..ThermalSettings::DEFAULT
+            };
+            let thermal = Thermal::new(settings).unwrap();
+            let mut updated = ThermalState::new(&thermal);
+            let no_time = Interval::new(&thermal, 0.0);
+            let expected = updated.update(&thermal, &no_time, f32::NAN);
+            let mut started = updated;
+            started.start(&thermal, 40.0);
+            let point = started.start(&thermal, f32::INFINITY);
+            let status = Status::TEMPERATURE_INVALID | Status::TEMPERATURE_LOST | Status::SETTLING;
+            assert_eq!(point, ThermalPoint { status, ..expected });
+            let tenth = Interval::new(&thermal, 0.1 * tau_s);
+            for number in 0..100_u16 {
+                let is_there = number % 9 > 2;
+                let temp_c = if is_there {
+                    20.0 + f32::from(number)
+                } else {
+                    f32::NAN
+                };
+                let expected = updated.update(&thermal, &tenth, temp_c);
+                assert_eq!(started.update(&thermal, &tenth, temp_c), expected);
+                assert_eq!(started.rejected(), updated.rejected());
+                assert_eq!(started.restarts(), updated.restarts());
+            }
+        }
     }
 }

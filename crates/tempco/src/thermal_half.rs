@@ -38,22 +38,19 @@ impl<'t, const AXES: usize> ThermalHalf<'t, AXES> {
 
     /// The constant bias, to be applied before the first temperature.
     pub fn constant(table: &Table<'_, AXES>) -> BiasRamp<AXES> {
-        let (end, status) = table.bias(&constant_point(table));
-        BiasRamp {
-            end,
-            slope: [0.0; AXES],
-            samples: 0,
-            status,
-        }
+        level(table, &constant_point(table))
     }
 
     /// Starts at the first temperature after power-on \[degC\], without ramping to it. Publish this
     /// ramp, or only that of an update that follows at once.
     pub fn start(&mut self, temp_c: f32) -> BiasRamp<AXES> {
         self.point = self.state.start(self.table.thermal(), temp_c);
-        let (end, status) = self.table.bias(&self.point);
-        self.end = end;
-        self.ramp([0.0; AXES], status)
+        let ramp = level(self.table, &self.point);
+        self.end = ramp.end;
+        BiasRamp {
+            samples: self.samples_per_update,
+            ..ramp
+        }
     }
 
     /// Takes a temperature \[degC\], `interval` after the last one: all the thermal work.
@@ -68,13 +65,8 @@ impl<'t, const AXES: usize> ThermalHalf<'t, AXES> {
         self.end = end;
         let slope =
             core::array::from_fn(|axis| (end[axis] - before[axis]) * self.updates_per_sample);
-        self.ramp(slope, status)
-    }
-
-    #[inline(always)]
-    const fn ramp(&self, slope: [f32; AXES], status: Status) -> BiasRamp<AXES> {
         BiasRamp {
-            end: self.end,
+            end,
             slope,
             samples: self.samples_per_update,
             status,
@@ -89,6 +81,18 @@ impl<'t, const AXES: usize> ThermalHalf<'t, AXES> {
     /// The state of the thermal path, for its counters.
     pub const fn thermal_state(&self) -> &ThermalState {
         &self.state
+    }
+}
+
+/// A bias that stays. A function of its own, so that the start does not take the code of the bias again.
+#[inline(never)]
+fn level<const AXES: usize>(table: &Table<'_, AXES>, point: &ThermalPoint) -> BiasRamp<AXES> {
+    let (end, status) = table.bias(point);
+    BiasRamp {
+        end,
+        slope: [0.0; AXES],
+        samples: 0,
+        status,
     }
 }
 
