@@ -163,6 +163,61 @@ in_order! {
     play_start_min,
 }
 
+macro_rules! limits {
+    ($($name:ident: $least:expr, $most:expr;)+) => {
+        /// The least value of each setting, whatever the others are.
+        const LEAST: ThermalSettings = ThermalSettings { $($name: $least),+ };
+        /// The largest value, likewise.
+        const MOST: ThermalSettings = ThermalSettings { $($name: $most),+ };
+    };
+}
+
+limits! {
+    sensor_min_c: -273.15, 1e3;
+    sensor_max_c: -273.15, 1e3;
+    spike_gate_c: 1e-3, 1e3;
+    max_slew_c_per_min: 1e-3, 1e4;
+    hold_s: 0.0, LONGEST_TIMER_S;
+    heal_s: 0.0, LONGEST_TIMER_S;
+    tau_s: 0.1, 6e3;
+    kappa: 0.0, 2.0;
+    rate_min_c_per_min: -1e4, 0.0;
+    rate_max_c_per_min: 0.0, 1e4;
+    reference_c: -273.15, 1e3;
+    tau2_s: 0.1, 6e4;
+    kappa2: -2.0, 2.0;
+    lag2_min_c: -1e3, 0.0;
+    lag2_max_c: 0.0, 1e3;
+    half_width1_c: 0.0, 1e3;
+    half_width2_c: 0.0, 1e3;
+    play_kappa: -2.0, 2.0;
+    play_kappa2: -2.0, 2.0;
+    least_divisor: 0.0, 1.0;
+    rate_start: 0.0, 1e2;
+    lag2_start_min: -1e3, 1e3;
+    play_start_min: -1e3, 1e3;
+}
+
+/// The number of the first setting that is not finite or outside its range; if there is none, the
+/// number of settings.
+const fn first_unusable(s: &ThermalSettings) -> usize {
+    let least = ThermalSettings {
+        sensor_max_c: s.sensor_min_c,
+        reference_c: s.sensor_min_c,
+        ..LEAST
+    };
+    let most = ThermalSettings {
+        reference_c: s.sensor_max_c,
+        ..MOST
+    };
+    let (values, least, most) = (s.to_array(), least.to_array(), most.to_array());
+    let mut number = 0;
+    while number < values.len() && is_within(values[number], least[number], most[number]) {
+        number += 1;
+    }
+    number
+}
+
 /// Resolution of the core's timers: 10 us, and 5.9 h at most. Integers, because a sum of many
 /// short times in f32 stands still when they fall below its last place.
 pub(crate) const TICKS_PER_S: f32 = 1e5;
@@ -218,46 +273,18 @@ impl Thermal {
     ///
     /// # Errors
     /// Names the first setting that is not finite or outside its range.
+    // Inlined, so that a program that does not use the names has none of them.
+    #[inline(always)]
     pub const fn new(settings: ThermalSettings) -> Result<Self, TableError> {
-        let s = &settings;
-        macro_rules! limits {
-            ($($name:ident: $least:expr, $most:expr;)+) => {
-                (ThermalSettings { $($name: $least),+ }, ThermalSettings { $($name: $most),+ })
-            };
+        let number = first_unusable(&settings);
+        if number < ThermalSettings::NAMES.len() {
+            return Err(TableError::Setting(ThermalSettings::NAMES[number]));
         }
-        let (least, most) = limits! {
-            sensor_min_c: -273.15, 1e3;
-            sensor_max_c: s.sensor_min_c, 1e3;
-            spike_gate_c: 1e-3, 1e3;
-            max_slew_c_per_min: 1e-3, 1e4;
-            hold_s: 0.0, LONGEST_TIMER_S;
-            heal_s: 0.0, LONGEST_TIMER_S;
-            tau_s: 0.1, 6e3;
-            kappa: 0.0, 2.0;
-            rate_min_c_per_min: -1e4, 0.0;
-            rate_max_c_per_min: 0.0, 1e4;
-            reference_c: s.sensor_min_c, s.sensor_max_c;
-            tau2_s: 0.1, 6e4;
-            kappa2: -2.0, 2.0;
-            lag2_min_c: -1e3, 0.0;
-            lag2_max_c: 0.0, 1e3;
-            half_width1_c: 0.0, 1e3;
-            half_width2_c: 0.0, 1e3;
-            play_kappa: -2.0, 2.0;
-            play_kappa2: -2.0, 2.0;
-            least_divisor: 0.0, 1.0;
-            rate_start: 0.0, 1e2;
-            lag2_start_min: -1e3, 1e3;
-            play_start_min: -1e3, 1e3;
-        };
-        let (values, least, most) = (s.to_array(), least.to_array(), most.to_array());
-        let mut number = 0;
-        while number < values.len() {
-            if !is_within(values[number], least[number], most[number]) {
-                return Err(TableError::Setting(ThermalSettings::NAMES[number]));
-            }
-            number += 1;
-        }
+        Ok(Self::of(&settings))
+    }
+
+    /// What follows from settings that were checked.
+    const fn of(s: &ThermalSettings) -> Self {
         let has_lag2 = s.has_lag2();
         let least_memory = ThermalSettings::LEAST_MEMORY_S / s.tau_s;
         let least_memory = if least_memory > s.least_divisor {
@@ -268,7 +295,7 @@ impl Thermal {
         let sensor_middle_c = 0.5 * (s.sensor_min_c + s.sensor_max_c);
         let below = magnitude(s.sensor_min_c - sensor_middle_c);
         let above = magnitude(s.sensor_max_c - sensor_middle_c);
-        Ok(Self {
+        Self {
             sensor_middle_c,
             sensor_reach: if below > above { below } else { above },
             hold_ticks: ticks(s.hold_s),
@@ -303,8 +330,8 @@ impl Thermal {
                 2.0 * s.half_width2_c
             },
             lag2_flag: Status::LAG_CLAMPED.when(has_lag2),
-            settings,
-        })
+            settings: *s,
+        }
     }
 
     /// The settings this was made from.
