@@ -92,7 +92,8 @@ impl Conditioner {
     ) -> Conditioned {
         let healing = thermal.healing.saturating_sub(self.age);
         let was_lost = Sign::above(self.age, thermal.hold_ticks);
-        let is_first = !Sign::above(i32::MAX, self.age);
+        // Only the longest time wraps.
+        let is_first = Sign(self.age.wrapping_add(1));
         let age = self.age.saturating_add(interval.ticks);
 
         // Can the sensor report it, and can the part have reached it?
@@ -127,8 +128,7 @@ impl Conditioner {
         self.has_jumped = self.has_jumped | jumped;
         let is_back = was_lost & usable & !beyond;
         self.is_jumping = jumping & rejected & !is_back;
-        let reach = reach_c.to_bits() as i32;
-        let reach = Sign::above(reach, interval.slew).select(reach, interval.slew);
+        let reach = (reach_c.to_bits() as i32).max(interval.slew);
         let near_c = self.anchor_c + limit(way_c, reach);
         let anchor_c = was_lost.select(temp_c, near_c);
         self.anchor_c = rejected.select(self.anchor_c, anchor_c);

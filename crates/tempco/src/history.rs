@@ -13,7 +13,7 @@ use crate::sign::{Sign, limit, magnitude};
 use crate::{Interval, Thermal};
 
 /// Any way is short enough \[bits\].
-const ANY: i32 = f32::MAX.to_bits() as i32;
+const ANY: i32 = f32::INFINITY.to_bits() as i32;
 
 /// A play (backlash): a temperature drags a contact along, as through a slot.
 ///

@@ -30,7 +30,8 @@ pub(crate) const fn magnitude(value: f32) -> i32 {
 pub(crate) const fn limit(value: f32, most: i32) -> f32 {
     let size = magnitude(value);
     let size = if size > most { most } else { size };
-    f32::from_bits(value.to_bits() & SIGN_BIT | size as u32)
+    // All but the sign: an instruction of its own of a Cortex-M3 and above.
+    f32::from_bits(value.to_bits() & SIGN_BIT | size as u32 & !SIGN_BIT)
 }
 
 const SIGN_BIT: u32 = 1 << 31;

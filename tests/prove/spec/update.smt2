@@ -194,7 +194,7 @@
   (fp.sub RNE |state'.conditioner.temp_c| (fp.mul RNE |thermal.tau_min| rate)))
 ; The second lag.
 (define-fun way2_c () F32 (fp.sub RNE |state'.conditioner.temp_c| |state.second.temp_c|))
-(define-fun slew2_c () F32 (ite first any_c slew_c))
+(define-fun slew2_c () F32 (ite first (_ +oo 8 24) slew_c))
 (define-fun alpha2 () F32 (ite first one (ite lost zero |interval.alpha2|)))
 (define-fun lag2_c () F32
   (fp.sub RNE (fp.sub RNE |state'.second.temp_c| |state.second.lag.filtered.value|)
@@ -220,7 +220,7 @@
 (define-fun drag_way_c () F32 (fp.sub RNE drag_target_c |state.plays.drag_c|))
 ; The plays.
 (define-fun start_c () F32 (fp.mul RNE rate |thermal.settings.play_start_min|))
-(define-fun slew_play_c () F32 (ite (or starts first) any_c slew_c))
+(define-fun slew_play_c () F32 (ite (or starts first) (_ +oo 8 24) slew_c))
 (define-fun least_c ((width_c F32)) F32 (fp.sub RNE |state'.plays.drag_c| width_c))
 (define-fun most_c ((width_c F32)) F32 (fp.add RNE |state'.plays.drag_c| width_c))
 (define-fun contact ((contact_c F32) (width_c F32)) F32
