@@ -124,7 +124,7 @@ pub struct Axis {
 #[repr(C)]
 pub struct Channel {
     /// Settings of the thermal path, in the order of [`ThermalSettings::NAMES`].
-    pub thermal: [f32; ThermalSettings::NAMES.len()],
+    pub thermal: ThermalSettings,
     /// Cold edge of the first cell \[degC\].
     pub first_edge_c: f32,
     /// Hot edge of the last cell \[degC\].

@@ -2,7 +2,7 @@
 
 use core::array::from_fn;
 
-use tempco::{MAX_CELLS, Table, Terms, Thermal, ThermalSettings};
+use tempco::{MAX_CELLS, Table, Terms, Thermal};
 use tempco_image::Image;
 
 use crate::place::{get, slice};
@@ -62,7 +62,7 @@ pub(crate) unsafe fn from_channel<const AXES: usize>(
     }
     // SAFETY: the structure says so, and the caller vouches for it. Its number of axes is this one.
     let cells = unsafe { slice(channel.cells.cast::<[Terms; AXES]>(), count) }?;
-    let thermal = Thermal::new(ThermalSettings::from_array(channel.thermal))?;
+    let thermal = Thermal::new(channel.thermal)?;
     let table = Table::new(thermal, channel.first_edge_c, channel.last_edge_c, cells)?
         .calibrated(channel.t_min_c, channel.t_max_c)?
         .with_plays(from_fn(|play| {

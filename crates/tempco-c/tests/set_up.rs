@@ -39,7 +39,7 @@ fn channel() -> Channel {
     let [x, y, z] = GAINS.map(axis);
     let none = axis([0.0; 2]);
     Channel {
-        thermal: thermal().to_array(),
+        thermal: thermal(),
         first_edge_c: -40.0,
         last_edge_c: 80.0,
         t_min_c: -30.0,
@@ -157,7 +157,7 @@ fn a_bad_structure_is_refused_by_its_code() {
             Error::Alignment,
         ),
         (|of| of.cells = BAD.as_ptr().cast(), Error::Coefficient),
-        (|of| of.thermal[6] = 0.0, Error::Setting),
+        (|of| of.thermal.tau_s = 0.0, Error::Setting),
         (|of| of.t_max_c = 81.0, Error::Setting),
         (
             |of| of.axes[2].play_gains[1] = f32::INFINITY,

@@ -14,11 +14,8 @@ const FADE_S: f32 = 60.0;
 /// `1 - exp(-x)` by `x (1 - x/2 (1 - x/3))`, whose relative error is below 6.1e-3 at `x = 1/2` and
 /// below 5e-5 for `x <= 1/10`; 1 for larger `x`.
 const fn second_alpha(x: f32) -> f32 {
-    const ONE: i32 = 1.0_f32.to_bits() as i32;
-    let alpha = (x * (1.0 - x * (1.0 / 2.0) * (1.0 - x * (1.0 / 3.0)))).to_bits() as i32;
-    // By bits, since a selection became a branch.
-    let is_large = Sign::above(magnitude(x), magnitude(0.5));
-    f32::from_bits((alpha ^ is_large.keep(alpha ^ ONE)) as u32)
+    let alpha = x * (1.0 - x * (1.0 / 2.0) * (1.0 - x * (1.0 / 3.0)));
+    Sign::above(magnitude(x), magnitude(0.5)).select_bits(1.0, alpha)
 }
 
 /// The time since the last thermal update, with the filter factors that follow from it.
@@ -61,9 +58,9 @@ impl Interval {
     pub const fn new(thermal: &Thermal, dt_s: f32) -> Self {
         let forward = dt_s > 0.0;
         let longest_s = thermal.longest_interval_s();
-        let gap = dt_s > longest_s;
         let real_s = if forward { dt_s } else { 0.0 };
-        let used_s = if gap { longest_s } else { real_s };
+        let gap = Sign::above(magnitude(real_s), magnitude(longest_s));
+        let used_s = gap.select_bits(longest_s, real_s);
         let x = used_s * thermal.per_tau_hz;
         let alpha_per_x = 1.0
             - x * (1.0 / 2.0) * (1.0 - x * (1.0 / 3.0) * (1.0 - x * (1.0 / 4.0) * (1.0 - x * 0.2)));
@@ -78,18 +75,14 @@ impl Interval {
         Self {
             // The conversion saturates.
             ticks: (real_s * TICKS_PER_S + 0.5) as i32,
-            alpha: if gap { 1.0 } else { x * alpha_per_x },
+            alpha: gap.select_bits(1.0, x * alpha_per_x),
             alpha2: second_alpha(real_s * thermal.per_tau2_hz),
             fade: magnitude(real_s * (1.0 / FADE_S)),
-            rate_gain_per_min: if gap {
-                0.0
-            } else {
-                60.0 * thermal.per_tau_hz * alpha_per_x
-            },
+            rate_gain_per_min: gap.select_bits(0.0, 60.0 * thermal.per_tau_hz * alpha_per_x),
             slew: magnitude(slew_c),
             near: (gate_c + slew_c).to_bits() as i32,
             gate_c,
-            status: Status::INTERVAL_INVALID.when(gap | !forward),
+            status: Status::INTERVAL_INVALID.when(gap.holds() | !forward),
         }
     }
 }

@@ -15,6 +15,8 @@ pub const PLAYS: usize = 2;
     derive(serde::Serialize, serde::Deserialize),
     serde(deny_unknown_fields)
 )]
+// C has it in `table.h`.
+#[repr(C)]
 pub struct ThermalSettings {
     /// Lowest temperature the sensor can report \[degC\]; below it the sensor is taken as broken.
     pub sensor_min_c: f32,
@@ -166,9 +168,11 @@ in_order! {
 macro_rules! limits {
     ($($name:ident: $least:expr, $most:expr;)+) => {
         /// The least value of each setting, whatever the others are.
-        const LEAST: ThermalSettings = ThermalSettings { $($name: $least),+ };
+        const LEAST: [f32; ThermalSettings::NAMES.len()] =
+            ThermalSettings { $($name: $least),+ }.to_array();
         /// The largest value, likewise.
-        const MOST: ThermalSettings = ThermalSettings { $($name: $most),+ };
+        const MOST: [f32; ThermalSettings::NAMES.len()] =
+            ThermalSettings { $($name: $most),+ }.to_array();
     };
 }
 
@@ -198,21 +202,12 @@ limits! {
     play_start_min: -1e3, 1e3;
 }
 
-/// The number of the first setting that is not finite or outside its range; if there is none, the
+/// The number of the first setting that is not finite or outside its limits; if there is none, the
 /// number of settings.
-const fn first_unusable(s: &ThermalSettings) -> usize {
-    let least = ThermalSettings {
-        sensor_max_c: s.sensor_min_c,
-        reference_c: s.sensor_min_c,
-        ..LEAST
-    };
-    let most = ThermalSettings {
-        reference_c: s.sensor_max_c,
-        ..MOST
-    };
-    let (values, least, most) = (s.to_array(), least.to_array(), most.to_array());
+const fn first_unusable(settings: &ThermalSettings) -> usize {
+    let values = settings.to_array();
     let mut number = 0;
-    while number < values.len() && is_within(values[number], least[number], most[number]) {
+    while number < values.len() && is_within(values[number], LEAST[number], MOST[number]) {
         number += 1;
     }
     number
@@ -279,6 +274,16 @@ impl Thermal {
         let number = first_unusable(&settings);
         if number < ThermalSettings::NAMES.len() {
             return Err(TableError::Setting(ThermalSettings::NAMES[number]));
+        }
+        if settings.sensor_max_c < settings.sensor_min_c {
+            return Err(TableError::Setting("sensor_max_c"));
+        }
+        if !is_within(
+            settings.reference_c,
+            settings.sensor_min_c,
+            settings.sensor_max_c,
+        ) {
+            return Err(TableError::Setting("reference_c"));
         }
         Ok(Self::of(&settings))
     }

@@ -59,6 +59,19 @@ impl Sign {
         select_unpredictable(self.0 < 0, yes, no)
     }
 
+    /// As [`select`](Self::select), by bits: a selection outside of a loop became a branch.
+    #[inline(always)]
+    pub(crate) const fn select_bits(self, yes: f32, no: f32) -> f32 {
+        let [yes, no] = [yes.to_bits() as i32, no.to_bits() as i32];
+        f32::from_bits((no ^ self.keep(no ^ yes)) as u32)
+    }
+
+    /// Whether it holds.
+    #[inline(always)]
+    pub(crate) const fn holds(self) -> bool {
+        self.0 < 0
+    }
+
     /// `value` where it holds, else 0.
     #[inline(always)]
     pub(crate) const fn keep(self, value: i32) -> i32 {
