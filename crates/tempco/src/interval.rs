@@ -55,12 +55,17 @@ impl Interval {
     /// Zero, negative and NaN count as no time at all, and the temperature that comes with them is
     /// not accepted; once the temperature is lost, the next one may confirm it. They and intervals beyond [`Thermal::longest_interval_s`] set
     /// [`Status::INTERVAL_INVALID`].
+    #[inline]
     pub const fn new(thermal: &Thermal, dt_s: f32) -> Self {
         let forward = dt_s > 0.0;
         let longest_s = thermal.longest_interval_s();
         let real_s = if forward { dt_s } else { 0.0 };
         let gap = Sign::above(magnitude(real_s), magnitude(longest_s));
-        let used_s = gap.select_bits(longest_s, real_s);
+        let used_s = if real_s > longest_s {
+            longest_s
+        } else {
+            real_s
+        };
         let x = used_s * thermal.per_tau_hz;
         let alpha_per_x = 1.0
             - x * (1.0 / 2.0) * (1.0 - x * (1.0 / 3.0) * (1.0 - x * (1.0 / 4.0) * (1.0 - x * 0.2)));

@@ -77,7 +77,7 @@ int32_t TEMPCO_N(table_from_channel)(TEMPCO_N(table_t) *table, const tempco_chan
    is not accepted; longer than half the table's tau_s restarts the estimator. Both are flagged.
    A fixed rate takes one object, a varying one a new value before each update: that is allowed in
    the main loop at any time, and costs no division.
-   Timing: 109. Stack: 16. */
+   Timing: 115. Stack: 16. */
 int32_t TEMPCO_N(interval_init)(tempco_interval_t *interval, const TEMPCO_N(table_t) *table,
                                 float dt_s);
 
