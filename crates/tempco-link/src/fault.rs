@@ -57,11 +57,13 @@ pub enum Fault {
     GyroSilent,
     /// Samples of a gyro were ready, and its data-ready line did not say so.
     DataReady,
+    /// The table in use was damaged in RAM, and was loaded again from the store.
+    TableUpset,
 }
 
 impl Fault {
     /// Every fault, by its code.
-    pub const ALL: [Self; 23] = [
+    pub const ALL: [Self; 24] = [
         Self::NoTable,
         Self::SpareTable,
         Self::Flash,
@@ -85,6 +87,7 @@ impl Fault {
         Self::ReZero,
         Self::GyroSilent,
         Self::DataReady,
+        Self::TableUpset,
     ];
 
     /// The code, as in a fault log.
@@ -135,6 +138,7 @@ impl Fault {
             Self::ReZero => "re-zero",
             Self::GyroSilent => "gyro silent",
             Self::DataReady => "data ready",
+            Self::TableUpset => "table upset",
         }
     }
 }

@@ -49,8 +49,8 @@ pub(crate) const fn next(sequence: u16) -> u16 {
 }
 
 impl Server {
-    /// A server without a session. Sessions are numbered from `first_session` on, which must not
-    /// be one of an earlier boot: for instance the number of the boot times 65536.
+    /// A server without a session. Sessions are numbered from `first_session` on. None of these
+    /// numbers may have been one of an earlier boot.
     pub const fn new(first_session: u32) -> Self {
         Self {
             decoder: Decoder::new(),
@@ -141,6 +141,11 @@ impl Server {
     pub fn telemetry(&mut self, telemetry: Telemetry) -> Option<&[u8]> {
         let session = self.session?.number;
         self.say(session, 0, Response::Telemetry(telemetry))
+    }
+
+    /// The number of the session that the next hello opens.
+    pub const fn next_session(&self) -> u32 {
+        self.next_session
     }
 
     /// Frames received so far.

@@ -122,6 +122,11 @@ impl<const CODES: usize> FaultLog<CODES> {
         &self.faults
     }
 
+    /// Numbers this boot as a record elsewhere does, if that is further.
+    pub fn at_least_boot(&mut self, boot: u32) {
+        self.boot = self.boot.max(boot);
+    }
+
     /// The number of this boot, from 1 on; boots without a fault count once.
     pub const fn boot(&self) -> u32 {
         self.boot

@@ -1,5 +1,5 @@
-//! Keeps a unit's coefficient table in NOR flash, in two copies, a log of its faults, and the
-//! constant biases that re-zero found.
+//! Keeps a unit's coefficient table in NOR flash, in two copies, a log of its faults, the constant
+//! biases that re-zero found, and the numbers of boots and sessions.
 //!
 //! Each of two slots holds a flash image (see `tempco-image`) and behind it a few *entries*, each
 //! of which says that the image was whole and validated, and whether it was selected. The entry with
@@ -43,6 +43,7 @@
 //! An entry is a few little-endian u32, padded with 0xff to whole words of the flash: magic, key,
 //! contents, and the CRC-32P4 of what is before. The mark has 0xffffffff for the key and then
 //! the number of the turn. The half with the later mark counts, and in it the latest entry of a key.
+//! Offsets have key 0 of their region, the numbers of boots and sessions key 1.
 //!
 //! # Boot
 //! [`Store::boot`] tries the slots, the latest first: load, CRCs, the caller's validation. It makes
@@ -70,7 +71,7 @@ pub use check::Checked;
 pub use entry::MAX_WRITE_SIZE;
 pub use error::StoreError;
 pub use faults::{Fault, FaultLog};
-pub use offsets::Offsets;
+pub use offsets::{Numbers, Offsets};
 pub use region::Region;
 pub use slot::Slot;
 pub use store::{Active, Boot, SlotState, Store};

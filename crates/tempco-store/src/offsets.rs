@@ -1,8 +1,8 @@
-//! The constant biases found by re-zero, kept over resets.
+//! The constant biases found by re-zero, and the numbers of boots and sessions, kept over resets.
 //!
-//! A journal with one key: an entry holds the biases of all axes and the CRC of the table that
-//! they belong to. A power cut at any operation leaves all of them as they were or all as they
-//! were to be.
+//! A journal with two keys. An entry of the first holds the biases of all axes and the CRC of the
+//! table that they belong to, an entry of the second the numbers. A power cut at any operation
+//! leaves all of an entry as it was or all as it was to be.
 
 use embedded_storage::nor_flash::NorFlash;
 use tempco::MAX_AXES;
@@ -12,8 +12,9 @@ use crate::{Region, StoreError};
 
 const MAGIC: u32 = u32::from_le_bytes(*b"TCO1");
 
-/// The one key.
-const KEY: u32 = 0;
+/// Keys of the offsets and of the numbers.
+const OFFSETS: u32 = 0;
+const NUMBERS: u32 = 1;
 
 /// Magic number, key, CRC, axes.
 const WORDS: usize = 3 + MAX_AXES;
@@ -26,6 +27,20 @@ pub struct Offsets<const AXES: usize> {
     journal: Journal<WORDS>,
     /// CRC of the table, and the biases.
     latest: Option<(u32, [f32; AXES])>,
+    numbers: Option<Numbers>,
+}
+
+/// Numbers that do not come again. They stand with the offsets, apart from the fault log, so that
+/// damage in one of the two regions resets nothing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Numbers {
+    /// The number of this boot, from 1 on.
+    pub boot: u32,
+    /// The first session that nobody has been promised.
+    pub session: u32,
+    /// Resets in a row that nobody wanted.
+    pub resets: u32,
 }
 
 impl<const AXES: usize> Offsets<AXES> {
@@ -35,9 +50,24 @@ impl<const AXES: usize> Offsets<AXES> {
     /// A region that is not made of two equal halves of whole sectors.
     pub fn open<F: NorFlash>(flash: &mut F, region: Region) -> Result<Self, StoreError> {
         const { assert!(AXES <= MAX_AXES, "up to six axes") };
-        let journal = Journal::open(flash, region, MAGIC, 1)?;
-        let latest = journal.entries(flash).last().and_then(from_words);
-        Ok(Self { journal, latest })
+        let journal = Journal::open(flash, region, MAGIC, 2)?;
+        let mut of = |key| {
+            journal
+                .entries(flash)
+                .filter(|words| words[1] == key)
+                .last()
+        };
+        let latest = of(OFFSETS).and_then(from_words);
+        let numbers = of(NUMBERS).map(|[_, _, boot, session, resets, ..]| Numbers {
+            boot,
+            session,
+            resets,
+        });
+        Ok(Self {
+            journal,
+            latest,
+            numbers,
+        })
     }
 
     /// The offsets to take out of the outcomes of a table: 0 where the ones that were set belong to
@@ -74,20 +104,66 @@ impl<const AXES: usize> Offsets<AXES> {
         if !offsets.iter().all(|offset| offset.is_finite()) {
             return Err(StoreError::NotFinite);
         }
-        let words = to_words(table_crc, &offsets);
-        if self.journal.append(flash, &words).is_err() {
-            self.journal.turn(flash, [words])?;
-        }
-        self.latest = Some((table_crc, offsets));
+        let offsets = (table_crc, offsets);
+        self.write(flash, of_offsets(&offsets), self.numbers.map(of_numbers))?;
+        self.latest = Some(offsets);
         Ok(())
+    }
+
+    /// The numbers as they were set last, if they were.
+    pub const fn numbers(&self) -> Option<Numbers> {
+        self.numbers
+    }
+
+    /// Sets the numbers.
+    ///
+    /// # Errors
+    /// A failing flash, in which case they are the numbers here all the same.
+    ///
+    /// # Timing
+    /// As [`set`](Self::set).
+    pub fn set_numbers<F: NorFlash>(
+        &mut self,
+        flash: &mut F,
+        numbers: Numbers,
+    ) -> Result<(), StoreError> {
+        self.numbers = Some(numbers);
+        let offsets = self.latest.as_ref().map(of_offsets);
+        self.write(flash, of_numbers(numbers), offsets)
+    }
+
+    /// Writes an entry; `other` is the latest one of the other key.
+    fn write<F: NorFlash>(
+        &mut self,
+        flash: &mut F,
+        words: [u32; WORDS],
+        other: Option<[u32; WORDS]>,
+    ) -> Result<(), StoreError> {
+        match self.journal.append(flash, &words) {
+            Ok(()) => Ok(()),
+            Err(_) => self.journal.turn(flash, other.into_iter().chain([words])),
+        }
     }
 }
 
-fn to_words(table_crc: u32, offsets: &[f32]) -> [u32; WORDS] {
-    let mut words = [NO_AXIS; WORDS];
+fn of_offsets<const AXES: usize>((table_crc, offsets): &(u32, [f32; AXES])) -> [u32; WORDS] {
     let offsets = offsets.iter().map(|offset| offset.to_bits());
-    let used = [MAGIC, KEY, table_crc].into_iter().chain(offsets);
-    for (place, word) in words.iter_mut().zip(used) {
+    to_words([OFFSETS, *table_crc].into_iter().chain(offsets))
+}
+
+fn of_numbers(numbers: Numbers) -> [u32; WORDS] {
+    let Numbers {
+        boot,
+        session,
+        resets,
+    } = numbers;
+    to_words([NUMBERS, boot, session, resets])
+}
+
+/// An entry, from its key on.
+fn to_words(used: impl IntoIterator<Item = u32>) -> [u32; WORDS] {
+    let mut words = [NO_AXIS; WORDS];
+    for (place, word) in words.iter_mut().zip([MAGIC].into_iter().chain(used)) {
         *place = word;
     }
     words

@@ -154,7 +154,7 @@ impl Slots {
         slot: Slot,
         record: Record,
         buffer: &mut [u8],
-        mut accept: impl FnMut(&Image) -> Result<(), ImageError>,
+        accept: &mut impl FnMut(&Image) -> Result<(), ImageError>,
     ) -> Result<(), StoreError> {
         let len = record.len as usize;
         let buffer = buffer.get_mut(..len).ok_or(StoreError::Length)?;

@@ -129,6 +129,30 @@ impl Store {
         }
     }
 
+    /// Loads the table in use again, into another buffer, with the checks of [`boot`](Self::boot).
+    /// Its slot is not written to as long as it is in use.
+    ///
+    /// # Errors
+    /// Why it is not good, or [`StoreError::Different`] where it is not the one that was booted.
+    ///
+    /// # Timing
+    /// Reads the entries of the slot and the image once.
+    pub fn reload<F: NorFlash>(
+        &self,
+        flash: &mut F,
+        active: Active,
+        buffer: &mut [u8],
+        mut accept: impl FnMut(&Image) -> Result<(), ImageError>,
+    ) -> Result<(), StoreError> {
+        let record = self.slots.record(flash, active.slot);
+        let record = record.ok_or(StoreError::Empty)?;
+        if (record.sequence, record.len as usize) != (active.sequence, active.len) {
+            return Err(StoreError::Different);
+        }
+        self.slots
+            .load(flash, active.slot, record, buffer, &mut accept)
+    }
+
     /// Makes a slot the one in use, once it has been loaded into `buffer` and accepted: an image that
     /// was stored, or the one before, which is the roll-back. It takes effect by [`boot`](Self::boot), without which no further update or
     /// selection is taken.
@@ -141,14 +165,14 @@ impl Store {
         flash: &mut F,
         slot: Slot,
         buffer: &mut [u8],
-        accept: impl FnMut(&Image) -> Result<(), ImageError>,
+        mut accept: impl FnMut(&Image) -> Result<(), ImageError>,
     ) -> Result<(), StoreError> {
         self.expect_booted()?;
         if self.current == Some(slot) {
             return Ok(());
         }
         let record = self.slots.record(flash, slot).ok_or(StoreError::Empty)?;
-        self.slots.load(flash, slot, record, buffer, accept)?;
+        self.slots.load(flash, slot, record, buffer, &mut accept)?;
         self.slots.choose(flash, slot, record)?;
         self.current = Some(slot);
         self.is_new = true;
@@ -224,7 +248,7 @@ impl Store {
         len: u32,
         crc: u32,
         buffer: &mut [u8],
-        accept: impl FnMut(&Image) -> Result<(), ImageError>,
+        mut accept: impl FnMut(&Image) -> Result<(), ImageError>,
     ) -> Result<(), StoreError> {
         let complete = |update: &Update| update.is_complete(len);
         let update = self.update.filter(complete).ok_or(StoreError::Incomplete)?;
@@ -235,7 +259,7 @@ impl Store {
             crc,
         };
         let slot = update.slot();
-        self.slots.load(flash, slot, record, buffer, accept)?;
+        self.slots.load(flash, slot, record, buffer, &mut accept)?;
         self.slots.append(flash, slot, record)
     }
 

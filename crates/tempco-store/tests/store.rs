@@ -8,7 +8,7 @@ use common::{
     with_two_versions,
 };
 use tempco_image::{CRC, ImageError};
-use tempco_store::{Checked, Region, Slot, SlotState, Store, StoreError};
+use tempco_store::{Active, Checked, Region, Slot, SlotState, Store, StoreError};
 
 type Small = Flash<'static, 8, 512>;
 
@@ -100,6 +100,31 @@ fn a_store_that_is_wholly_unreadable_boots_uncompensated_and_can_be_written_anew
             .iter()
             .all(|state| matches!(state, SlotState::Bad(_)))
     );
+}
+
+#[test]
+fn the_table_in_use_is_loaded_again_or_not_at_all() {
+    let mut flash = two_versions();
+    let (mut buffer, mut other) = (BLANK, BLANK);
+    let (store, found) = boot(&mut flash, &mut buffer);
+    let active = found.active.unwrap();
+    let mut reload = |flash: &mut Small, active, len: usize| {
+        store.reload(flash, active, &mut other.0[..len], accept)
+    };
+    assert_eq!(reload(&mut flash, active, active.len), Ok(()));
+    let short = reload(&mut flash, active, active.len - 4);
+    assert_eq!(short, Err(StoreError::Length));
+    let older = Active {
+        sequence: 1,
+        ..active
+    };
+    let refused = reload(&mut flash, older, 4096);
+    assert_eq!(refused, Err(StoreError::Different));
+    assert_eq!(buffer.0[..active.len], other.0[..active.len]);
+    flash.flip(8 * (1024 + 200));
+    let mut other = BLANK;
+    let damaged = store.reload(&mut flash, active, &mut other.0, accept);
+    assert_eq!(damaged, Err(StoreError::Different));
 }
 
 /// The slot that was chosen last is not always the one in use: its table may be bad. An update goes

@@ -73,6 +73,11 @@ impl<'t, const AXES: usize> ThermalHalf<'t, AXES> {
         }
     }
 
+    /// Goes on with a copy of the same table. The state and the place on the ramp stay.
+    pub const fn move_to(&mut self, table: &'t Table<'t, AXES>) {
+        self.table = table;
+    }
+
     /// Where the model was evaluated at the last update; the bias ramps to its value there.
     pub const fn point(&self) -> ThermalPoint {
         self.point

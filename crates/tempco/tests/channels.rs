@@ -60,6 +60,25 @@ fn a_stream_is_both_halves_of_each_channel() {
     }
 }
 
+/// A copy of the tables in the middle of a run changes no bit, and tables that are taken over count.
+#[test]
+fn thermal_halves_go_on_with_copies_of_their_tables() {
+    let (tables, copies, others) = ([table(60.0)], [table(60.0)], [table(10.0)]);
+    let mut stays = ThermalChannels::new(&tables, 200);
+    let mut moves = stays.clone();
+    let temp_c = |i: u8| 20.0 + f32::from(i) * 0.1;
+    for i in 0..100 {
+        if i == 50 {
+            moves.move_to(&copies);
+        }
+        let ramps = stays.update(0.1, &[temp_c(i)]);
+        assert_eq!(moves.update(0.1, &[temp_c(i)]), ramps, "{i}");
+    }
+    moves.move_to(&others);
+    let _ = (stays.update(0.1, &[40.0]), moves.update(0.1, &[40.0]));
+    assert_ne!(stays.points(), moves.points());
+}
+
 #[test]
 fn a_step_of_time_is_what_it_is_said_to_be() {
     let tables = [table(60.0)];

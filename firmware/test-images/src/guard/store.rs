@@ -5,7 +5,7 @@ use core::hint::black_box;
 use embedded_storage::nor_flash::NorFlash;
 use tempco::{Terms, ThermalSettings};
 use tempco_image::{AlignedBytes, Axis, Channel, Fit, Image, ImageError, Info, Unit, encode};
-use tempco_store::{Checked, FaultLog, Offsets, Region, Store, StoreError};
+use tempco_store::{Checked, FaultLog, Numbers, Offsets, Region, Store, StoreError};
 
 use super::flash::{RamFlash, SECTOR};
 
@@ -59,6 +59,7 @@ fn tables(flash: &mut RamFlash, a: Region, b: Region) -> Result<(), StoreError> 
             return Err(error);
         }
     }
+    store.reload(flash, black_box(active), &mut buffer.0, accept)?;
     store.select(flash, !active.slot, &mut buffer.0, accept)
 }
 
@@ -129,6 +130,7 @@ fn write(image: &mut Buffer) -> Result<usize, ImageError> {
 #[inline(never)]
 fn log(flash: &mut RamFlash, region: Region) -> Result<(), StoreError> {
     let mut log = FaultLog::<CODES>::open(flash, region)?;
+    log.at_least_boot(black_box(7));
     for second in 0..100 {
         log.record(flash, black_box(1), second, black_box(0))?;
     }
@@ -143,6 +145,13 @@ fn biases(flash: &mut RamFlash, region: Region) -> Result<(), StoreError> {
     for _ in 0..20 {
         offsets.set(flash, black_box(TABLE_CRC), black_box([0.5; AXES]))?;
     }
+    let numbers = Numbers {
+        boot: 1,
+        session: 256,
+        resets: 0,
+    };
+    offsets.set_numbers(flash, black_box(numbers))?;
+    _ = black_box(offsets.numbers());
     _ = black_box((offsets.table_crc(), offsets.of(black_box(TABLE_CRC))));
     Ok(())
 }
