@@ -35,6 +35,8 @@ mod board;
 mod build;
 mod code;
 mod error;
+#[cfg(unix)]
+mod gdb;
 pub mod golden;
 pub mod guard;
 mod install;

@@ -13,7 +13,7 @@ use tempfile::TempDir;
 
 use crate::log::Messages;
 use crate::qmp::Qmp;
-use crate::{Board, Error};
+use crate::{Board, Error, gdb};
 
 /// QEMU is up long before.
 const START_LIMIT: Duration = Duration::from_secs(20);
@@ -144,6 +144,24 @@ impl Machine {
         let arguments = json!({"val": address, "size": len, "filename": path});
         self.qmp.command("pmemsave", arguments)?;
         fs::read(&path).map_err(Error::file(&path))
+    }
+
+    /// Writes physical memory, as radiation may: the image gets no notice.
+    ///
+    /// # Errors
+    /// QEMU has ended.
+    pub fn write_memory(&mut self, address: u32, bytes: &[u8]) -> Result<(), Error> {
+        let socket = self.folder.join("gdb");
+        if !socket.exists() {
+            let path = escaped(&socket);
+            self.monitor(&format!("gdbserver unix:{path},server=on,wait=off"))?;
+        }
+        let status = self.qmp.command("query-status", json!({}))?;
+        gdb::write_memory(&socket, address, bytes)?;
+        if status["running"] == true {
+            self.go_on()?;
+        }
+        Ok(())
     }
 
     /// Carries out a command of QEMU's monitor for people, such as `info registers`, and returns

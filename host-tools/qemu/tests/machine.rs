@@ -58,6 +58,19 @@ fn memory_of_a_machine_is_read_and_outlives_it() {
 }
 
 #[test]
+fn memory_of_a_machine_is_written() {
+    const RAM: u32 = 0x2000_0000;
+    let mut machine = start(&halted()).unwrap();
+    for bytes in [&b"temp"[..], b"co"] {
+        machine.write_memory(RAM + 5, bytes).unwrap();
+        let read = machine.read_memory(RAM + 5, bytes.len());
+        assert_eq!(read.unwrap(), bytes);
+    }
+    let status = machine.monitor("info status").unwrap();
+    assert!(status.contains("paused"), "{status}");
+}
+
+#[test]
 fn a_machine_takes_connections_and_commands_and_ends_when_dropped() {
     let mut machine = start(&halted()).unwrap();
     let link = machine.link();
