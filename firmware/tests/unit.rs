@@ -277,7 +277,7 @@ fn a_damaged_table_is_found_while_running_and_the_other_is_used_after() {
     let expected = only(Fault::SpareTable) | only(Fault::NoTable);
     assert_eq!(active(&mut bench), (expected, (None, 0)));
     // Anything at all in the flash: it boots.
-    for cell in &bench.flash {
+    for cell in bench.flash.iter() {
         cell.store(0x5a5a_5a5a, Ordering::Relaxed);
     }
     assert_eq!(active(&mut bench), (only(Fault::NoTable), (None, 0)));
@@ -286,15 +286,10 @@ fn a_damaged_table_is_found_while_running_and_the_other_is_used_after() {
 #[test]
 fn the_periodic_check_finds_damage_in_the_table_in_use() {
     let mut bench = Bench::with_tables();
-    let cells: *const _ = bench.flash.as_ptr();
     bench.boot(|bench, unit| {
         bench.connect(unit);
         bench.wait(unit, 1.0);
-        // The flash is the unit's while it runs, and these cells are atomic.
-        // SAFETY: `boot` keeps the cells until the unit is gone; the place is within them.
-        #[allow(unsafe_code)]
-        let cell = unsafe { &*cells.add((0x8000 + 900) / 4) };
-        cell.fetch_xor(4, Ordering::Relaxed);
+        bench.flash[(0x8000 + 900) / 4].fetch_xor(4, Ordering::Relaxed);
         bench.wait(unit, 5.0);
         let telemetry = bench.telemetry(unit);
         assert!(telemetry.faults.contains(Fault::SpareTable));
@@ -943,6 +938,68 @@ fn why_the_unit_was_reset_is_in_the_log() {
             let logged = log.iter().find(|(logged, _)| *logged == fault).unwrap();
             assert_eq!((logged.1.count, logged.1.detail), (1, detail), "{fault:?}");
         });
+    }
+}
+
+/// Whichever of the two records of the boot cannot be read, and however many sessions a boot has.
+#[test]
+fn numbers_of_sessions_and_boots_never_come_again() {
+    let mut bench = Bench::with_tables();
+    let mut last = (0, 0);
+    for round in 0..12_usize {
+        // Both are there after each boot, so that one of them may be lost before the next.
+        let spoilt = match round % 3 {
+            0 => None,
+            1 => Some(REGIONS.faults),
+            _ => Some(REGIONS.offsets),
+        };
+        if let Some(region) = spoilt {
+            let words = region.start as usize / 4..(region.start + region.len) as usize / 4;
+            for cell in &bench.flash[words] {
+                cell.store(0x5a5a_5a5a, Ordering::Relaxed);
+            }
+        }
+        last = bench.boot_after(ResetCause::Watchdog, None, |bench, unit| {
+            let (mut session, boot) = last;
+            for nonce in 0..if round % 2 == 0 { 600 } else { 1 } {
+                let next = bench.open_session(unit, nonce);
+                assert!(next > session, "{round}: {next} after {session}");
+                session = next;
+            }
+            let log = bench.log(unit);
+            let reset = log.iter().find(|(fault, _)| *fault == Fault::WatchdogReset);
+            let found = reset.unwrap().1.boot;
+            assert!(found > boot, "{round}: {found} after {boot}");
+            (session, found)
+        });
+    }
+    assert_eq!(last.1, 14, "twelve boots after two");
+}
+
+/// Time since power-on at which the unit first answers, less the resolution \[s\].
+fn answers_after_s(bench: &mut Bench, cause: ResetCause, runs_s: f32) -> u32 {
+    bench.boot_after(cause, None, |bench, unit| {
+        bench.connect(unit);
+        let telemetry = bench.telemetry(unit);
+        assert_eq!(telemetry.overruns, 0);
+        bench.wait(unit, runs_s);
+        telemetry.uptime_ms / 1000
+    })
+}
+
+#[test]
+fn a_boot_waits_longer_after_each_reset_that_nobody_wanted() {
+    use ResetCause::{Commanded, Watchdog};
+    let mut bench = Bench::with_tables();
+    for expected_s in [0, 0, 1, 2, 4, 8, 16, 32, 64, 64] {
+        let found_s = answers_after_s(&mut bench, Watchdog, 1.0);
+        assert_eq!(found_s, expected_s);
+    }
+    // A boot that others have wanted ends it, and one that has run for ten minutes.
+    assert_eq!(answers_after_s(&mut bench, Commanded, 1.0), 0);
+    for runs_s in [1.0, 1.0, 601.0, 1.0, 1.0] {
+        let found_s = answers_after_s(&mut bench, Watchdog, runs_s);
+        assert_eq!(found_s, u32::from(runs_s > 600.0));
     }
 }
 

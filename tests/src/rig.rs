@@ -14,8 +14,8 @@ use tempco_hil::{Error, Patience, Unit};
 use tempco_image::{Axis, Channel, Info, Unit as AxisUnit, encode};
 use tempco_link::{Fault, FaultSet, Telemetry};
 use tempco_qemu::{
-    Board, Machine, MachineOptions, MachineTime, Variant, Workspace, build_variant, ensure_qemu,
-    ensure_target,
+    Board, Layout, Machine, MachineOptions, MachineTime, Variant, Workspace, build_variant,
+    ensure_qemu, ensure_target,
 };
 
 /// Where slot B of the flash begins \[bytes\].
@@ -180,6 +180,30 @@ impl Rig {
         self.flash
             .write_all_at(&[byte[0] ^ 0x10], place)
             .expect("flash");
+    }
+
+    /// Where some bytes are in the variables of [`image()`].
+    ///
+    /// # Panics
+    /// If the memory cannot be read.
+    pub fn find_in_memory(&mut self, bytes: &[u8]) -> Vec<u32> {
+        let layout = Layout::of(&image()).expect("an image");
+        let start = layout.ram_start.expect("variables") as u32;
+        let memory = self.machine.read_memory(start, layout.ram_bytes as usize);
+        let memory = memory.expect("memory");
+        let places = memory.windows(bytes.len()).zip(start..);
+        let found = places.filter(|(window, _)| *window == bytes);
+        found.map(|(_, address)| address).collect()
+    }
+
+    /// Turns over a bit of the unit's memory.
+    ///
+    /// # Panics
+    /// If there is no such memory.
+    pub fn upset(&mut self, address: u32, bit: u32) {
+        let byte = self.machine.read_memory(address, 1).expect("memory");
+        let written = self.machine.write_memory(address, &[byte[0] ^ 1 << bit]);
+        written.expect("memory");
     }
 
     /// The state of the unit.

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use tempco::{Status, Validity};
 use tempco_hil::{Error, Unit, flash_set};
 use tempco_image::Unit as AxisUnit;
-use tempco_link::{Bank, Fault, FaultSet, Refusal, Request, Telemetry};
+use tempco_link::{Bank, Fault, FaultEntry, FaultSet, Refusal, Request, Telemetry};
 use tempco_tests::rig::{Rig, SLOT_B, quick_table, table_in};
 
 fn validity(state: &Telemetry) -> Validity {
@@ -149,6 +149,47 @@ fn a_main_loop_that_hangs_is_reset_by_the_watchdog() {
         .iter()
         .find(|entry| entry.code == Fault::WatchdogReset.code());
     assert_eq!(entry.unwrap().count, 1);
+}
+
+/// Upsets of the table in use: of a cell in its image, and of a number that follows from a setting.
+#[test]
+fn a_bit_that_flips_in_the_table_in_use_is_found_and_heals() {
+    let mut rig = ready();
+    let right = rig.wait_until_well(12.0).outcome.bias;
+    // The fault lasts for a second of the unit's time, its entry in the log for ever.
+    let heals = |rig: &mut Rig, expected: (u32, u32)| {
+        let start = Instant::now();
+        let upset = |entry: &&FaultEntry| entry.code == Fault::TableUpset.code();
+        loop {
+            let log = rig.unit.faults().unwrap();
+            let found = log.iter().find(upset);
+            let found = found.map(|entry| (entry.count, entry.detail));
+            if found == Some(expected) {
+                break;
+            }
+            assert!(start.elapsed().as_secs() < 30, "{found:?}");
+            thread::sleep(Duration::from_millis(20));
+        }
+        let state = rig.wait_until_well(12.0);
+        for (bias, right) in state.outcome.bias.iter().zip(&right) {
+            assert!((bias - right).abs() < 0.01, "{bias} {right}");
+        }
+    };
+    let cell = [0.5_f32, 0.25, 0.125, 0.0625, 0.0, 0.0, 0.0].map(f32::to_le_bytes);
+    let cell = cell.as_flattened();
+    // Cells of three axes; this is the second one, that of 25 degC.
+    let at = rig.find_in_memory(&cell.repeat(6));
+    assert_eq!(at.len(), 1, "{at:?}");
+    rig.upset(at[0] + 3 * cell.len() as u32 + 2, 7);
+    heals(&mut rig, (1, 0));
+    // The tables of boot and the ones that were loaded again. The last step finds it.
+    let minutes = 2.0_f32 / 60.0;
+    let at = rig.find_in_memory(&minutes.to_le_bytes());
+    assert!(at.len() >= 2, "{at:?}");
+    for address in at {
+        rig.upset(address, 0);
+    }
+    heals(&mut rig, (2, 1));
 }
 
 /// `TEMPCO_GARBAGE` says how many megabytes; the usual run takes a small share of one.

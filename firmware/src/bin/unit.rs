@@ -21,11 +21,12 @@ mod image {
     use tempco_firmware::unit::devices::{Gyro, ResetCause};
     use tempco_firmware::unit::exchange::{Counts, Exchange};
     use tempco_firmware::unit::fit::{UNITS, fits, scale};
+    use tempco_firmware::unit::in_use::{InUse, PLACES, Place, Room};
     use tempco_firmware::unit::offsets::Offsets;
     use tempco_firmware::unit::rezero::Limits;
     use tempco_firmware::unit::storage::Storage;
     use tempco_firmware::unit::{
-        AXES, CHANNELS, IMAGE_LEN, Next, Parts, SCHEDULE, Sampling, Unit, UnitTables, known_answer,
+        AXES, CHANNELS, IMAGE_LEN, Next, Parts, SCHEDULE, Sampling, Unit, known_answer,
     };
     use tempco_image::AlignedBytes;
 
@@ -73,26 +74,21 @@ mod image {
         type Buffer = AlignedBytes<IMAGE_LEN>;
         let buffer = singleton!(: Buffer = AlignedBytes([0; IMAGE_LEN]))?;
         let scratch = singleton!(: Buffer = AlignedBytes([0; IMAGE_LEN]))?;
+        type Places = [Place<'static, CHANNELS, AXES>; PLACES];
+        let places = singleton!(: Places = [const { None }; PLACES])?;
         let fits = fits::<BoardGyro, CHANNELS, AXES>(&UNITS);
-        let (storage, image) =
-            Storage::boot(flash, REGIONS, &fits, &mut buffer.0, &mut scratch.0).ok()?;
-        let tables = image.as_ref().and_then(|image| {
-            let tables = image.tables().ok()?;
-            let tables: &UnitTables<CHANNELS, AXES> =
-                singleton!(: UnitTables<'static, CHANNELS, AXES> = tables)?;
-            Some((tables, image.info().table_crc))
-        });
-        tempco_firmware::info!(
-            "unit with table {=u32:08x}",
-            tables.map_or(0, |(_, crc)| crc)
-        );
+        let mut room = Room::new(&mut buffer.0, places);
+        let (storage, in_use) =
+            Storage::boot(flash, REGIONS, &fits, &mut room, &mut scratch.0).ok()?;
+        let table_crc = in_use.as_ref().map_or(0, InUse::crc);
+        tempco_firmware::info!("unit with table {=u32:08x}", table_crc);
 
         // Sampling: ramps and queues, scale of the gyro, offsets of re-zero.
         let exchange = singleton!(: Exchange<CHANNELS, AXES> = Exchange::new())?;
         let (interrupt_ends, ends) = exchange.split(&COUNTS);
         let scale = scale::<BoardGyro, CHANNELS, AXES>(&UNITS, SCHEDULE.sample_rate_hz);
         let limits = Limits::of::<BoardGyro>(&UNITS);
-        let kept = storage.offsets(tables.map_or(0, |(_, crc)| crc));
+        let kept = storage.offsets(table_crc);
         let offsets = Offsets::new(kept, limits);
         let sampling = Sampling::new(gyro, interrupt_ends, scale);
         // In its place before the first interrupt, which would else have to move it.
@@ -105,7 +101,8 @@ mod image {
         // The main loop owns the rest, until a reset is commanded.
         let parts = Parts {
             storage,
-            tables,
+            in_use,
+            room,
             offsets,
             ends,
             clock,

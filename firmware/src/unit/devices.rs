@@ -165,7 +165,7 @@ pub struct Regions {
     pub slots: [Region; 2],
     /// The fault log.
     pub faults: Region,
-    /// The constant biases of re-zero.
+    /// The constant biases of re-zero, and the numbers of boots and sessions.
     pub offsets: Region,
 }
 

@@ -53,7 +53,6 @@ where
             reset_cause,
             faults,
         } = devices;
-        let first_session = parts.storage.boot_number() << 16;
         let mut service = Service::new(parts, thermometers);
         if let Some(place) = crash {
             service.record_fault(Fault::Crash, place);
@@ -66,6 +65,9 @@ where
         for fault in faults.iter() {
             service.record_fault(fault, 0);
         }
+        let was_unwanted = crash.is_some() || reset_cause == ResetCause::Watchdog;
+        let first_session = service.note_boot(was_unwanted);
+        service.hold_off();
         service.test_at_power_on();
         watchdog.start(WATCHDOG_MS);
         Self {
@@ -83,6 +85,9 @@ where
         self.service.drain();
         self.service.read_thermometers();
         let was_busy = self.serve();
+        if was_busy {
+            self.service.promise_sessions(self.server.next_session());
+        }
         if self.service.wants_reset {
             // What was counted is worth more than why it could not be written.
             _ = self.service.storage.flush();

@@ -10,9 +10,10 @@
 //! - [`Sampling`]: all that the interrupt does
 //! - [`exchange`]: what goes between interrupt and main loop
 //! - [`Unit`]: the main loop, one pass at a time; its work is in `service`, with `requests` of the
-//!   link, `replays` of logs and `self_test` apart
+//!   link, `replays` of logs, `self_test` and `boots` apart
 //! - [`fit`]: which tables fit the board
 //! - [`storage`]: tables, fault log and offsets in the flash
+//! - [`in_use`]: the tables in use, in RAM, and the check of them by their [`sums`]
 //! - [`thermometry`]: temperatures on schedule, and what is wrong with the sensors
 //! - [`offsets`]: the constant biases, which a [`rezero`] finds at rest
 //! - [`health`]: faults that are present, the watchdog's rule
@@ -25,10 +26,12 @@
 //! two share nothing but ramps and queues. An executor would add its own code between the timer and the
 //! sample, and RTIC's resources would tie this code to the interrupts of one chip.
 
+mod boots;
 pub mod devices;
 pub mod exchange;
 pub mod fit;
 pub mod health;
+pub mod in_use;
 pub mod known_answer;
 mod load;
 mod main_loop;
@@ -43,6 +46,7 @@ mod sampling;
 mod self_test;
 mod service;
 pub mod storage;
+pub mod sums;
 pub mod thermometry;
 mod time;
 mod wire;

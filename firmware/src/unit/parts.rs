@@ -2,8 +2,8 @@
 
 use tempco::Schedule;
 
-use super::UnitTables;
 use super::exchange::MainEnds;
+use super::in_use::{InUse, Room};
 use super::offsets::Offsets;
 use super::storage::Storage;
 
@@ -11,8 +11,10 @@ use super::storage::Storage;
 pub struct Parts<'t, F, K, const C: usize, const A: usize> {
     /// Booted.
     pub storage: Storage<'t, F>,
-    /// Tables in use and their CRC; none where the unit runs uncompensated.
-    pub tables: Option<(&'t UnitTables<'t, C, A>, u32)>,
+    /// The tables in use; none where the unit runs uncompensated.
+    pub in_use: Option<InUse<'t, C, A>>,
+    /// Where they are loaded again, should they be damaged.
+    pub room: Room<'t, C, A>,
     /// Constant biases of re-zero.
     pub offsets: Offsets<C, A>,
     /// The main loop's side of the interrupt.

@@ -11,7 +11,8 @@ use tempco_replay::{ChannelOutcome, Outcome as Replayed, Replay, Sample as Repla
 use super::UnitThermal;
 use super::devices::{Flash, SampleClock, Thermometers};
 use super::exchange::{Reply, publish};
-use super::service::Service;
+use super::in_use::InUse;
+use super::service::{Service, constant};
 use super::wire::{array, axes, per_axis};
 
 impl<F, T, K, const C: usize, const A: usize> Service<'_, F, T, K, C, A>
@@ -25,11 +26,13 @@ where
         self.replay = None;
         let samples_per_update = self.schedule.samples_per_update;
         self.replay_thermal = self
-            .tables
-            .map(|(tables, _)| UnitThermal::new(tables, samples_per_update));
-        if let Some(thermal) = &self.replay_thermal {
-            publish(self.ends.replay_ramps, &thermal.constant());
-        }
+            .in_use
+            .as_ref()
+            .map(|in_use| UnitThermal::new(in_use.tables(), samples_per_update));
+        publish(
+            self.ends.replay_ramps,
+            &constant(self.replay_thermal.as_ref()),
+        );
     }
 
     /// One row of any log.
@@ -37,7 +40,7 @@ where
         let (Some(temps_c), Some(raw)) = (array(&sample.temps_c), per_axis(&sample.raw)) else {
             return Response::Refused(Refusal::Unknown);
         };
-        let Some((tables, _)) = self.tables else {
+        let Some(tables) = self.in_use.as_ref().map(InUse::tables) else {
             return Response::Refused(Refusal::Unsupported);
         };
         let replay = self.replay.get_or_insert_with(|| Replay::new(tables));

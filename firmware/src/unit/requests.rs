@@ -7,6 +7,7 @@ use tempco_link::{Axes, Fault, Handler, MAX_CHUNK, Refusal, Request, Response};
 
 use super::SERIAL;
 use super::devices::{Flash, SampleClock, Thermometers};
+use super::in_use::InUse;
 use super::service::Service;
 use super::storage::bank_of;
 use super::wire::per_axis;
@@ -39,7 +40,7 @@ where
                 samples_per_update: self.schedule.samples_per_update,
                 bank: self.storage.active().map(|active| bank_of(active.slot)),
                 spare: self.storage.spare(),
-                table_crc: self.tables.map_or(0, |(_, crc)| crc),
+                table_crc: self.in_use.as_ref().map_or(0, InUse::crc),
                 sequence: self.storage.active().map_or(0, |active| active.sequence),
                 scale_factor_arcsec: self.scale_factor_arcsec,
                 units: self.fits(|fit| fit.unit.code()),

@@ -8,9 +8,11 @@ use tempco::{BiasRamp, PLAYS, Schedule, Status, ThermalPoint};
 use tempco_link::{Channels, Fault, Losses, MAX_BLOCK, Outcome, Refusal, Telemetry};
 use tempco_replay::Replay;
 
+use super::UnitThermal;
 use super::devices::{Flash, SampleClock, Thermometers};
 use super::exchange::{Known, MainEnds, Moment, publish};
 use super::health::{Health, faults_of};
+use super::in_use::{InUse, Room};
 use super::load::Load;
 use super::offsets::Offsets;
 use super::parts::Parts;
@@ -20,7 +22,6 @@ use super::storage::Storage;
 use super::thermometry::Thermometry;
 use super::time::Time;
 use super::wire::{axes, channels};
-use super::{UnitTables, UnitThermal};
 
 /// A message waits so much longer for its samples than its period and an eighth \[ms\].
 const LATE_MS: u32 = 2;
@@ -44,10 +45,10 @@ pub(super) struct Service<'t, F, T, K, const C: usize, const A: usize> {
     pub(super) schedule: Schedule,
     pub(super) time: Time,
     pub(super) load: Load,
-    /// Tables in use and their CRC.
-    pub(super) tables: Option<(&'t UnitTables<'t, C, A>, u32)>,
+    pub(super) in_use: Option<InUse<'t, C, A>>,
+    pub(super) room: Room<'t, C, A>,
     /// The thermal halves of all channels, for the gyro and for a replay.
-    thermal: Option<UnitThermal<'t, C, A>>,
+    pub(super) thermal: Option<UnitThermal<'t, C, A>>,
     pub(super) replay_thermal: Option<UnitThermal<'t, C, A>>,
     /// Periods of the sampling timer when it was given the last temperatures.
     updated_at: u32,
@@ -59,6 +60,8 @@ pub(super) struct Service<'t, F, T, K, const C: usize, const A: usize> {
     pub(super) stack_is_sound: fn() -> bool,
     pub(super) knows_the_answer: fn() -> bool,
     pub(super) wants_reset: bool,
+    /// The tables in use were damaged and could not be loaded again.
+    pub(super) has_lost_table: bool,
     /// Interrupts of the timer when there were the first temperatures.
     started_at: Option<u32>,
     /// What was lost, came without a word or did not come until the last self-test.
@@ -85,7 +88,8 @@ where
     pub(super) fn new(parts: Parts<'t, F, K, C, A>, thermometers: T) -> Self {
         let Parts {
             storage,
-            tables,
+            in_use,
+            room,
             offsets,
             ends,
             clock,
@@ -94,11 +98,10 @@ where
             stack_is_sound,
             knows_the_answer,
         } = parts;
-        let thermal =
-            tables.map(|(tables, _)| UnitThermal::new(tables, schedule.samples_per_update));
-        let constant = thermal
+        let thermal = in_use
             .as_ref()
-            .map_or([no_bias(); C], UnitThermal::constant);
+            .map(|in_use| UnitThermal::new(in_use.tables(), schedule.samples_per_update));
+        let constant = constant(thermal.as_ref());
         let service = Self {
             storage,
             thermometry: Thermometry::new(thermometers),
@@ -108,7 +111,8 @@ where
             schedule,
             time: Time::new(schedule.sample_rate_hz),
             load: Load::default(),
-            tables,
+            in_use,
+            room,
             replay_thermal: thermal.clone(),
             thermal,
             updated_at: 0,
@@ -119,6 +123,7 @@ where
             stack_is_sound,
             knows_the_answer,
             wants_reset: false,
+            has_lost_table: false,
             started_at: None,
             known: Known::default(),
             dropped_frames: 0,
@@ -134,7 +139,8 @@ where
         service
     }
 
-    /// Records a fault, in the log too if it is new.
+    /// Records a fault, in the log too if it is new. Out of line, since there are many callers.
+    #[inline(never)]
     pub(super) fn record_fault(&mut self, fault: Fault, detail: u32) {
         let now_ms = self.time.now_ms();
         if !self.health.record(fault, now_ms) {
@@ -195,7 +201,7 @@ where
         }
         for fault in faults_of(status).iter() {
             // Without a table the status says that there is no temperature, but there may be.
-            if self.tables.is_some() || fault != Fault::TemperatureLost {
+            if self.in_use.is_some() || fault != Fault::TemperatureLost {
                 self.record_fault(fault, u32::from(status.bits()));
             }
         }
@@ -223,7 +229,7 @@ where
 
     /// Offsets take effect once they are kept, with the next ramp.
     pub(super) fn keep_offsets(&mut self, offsets: [[f32; A]; C]) -> Result<(), Refusal> {
-        let table_crc = self.tables.map_or(0, |(_, crc)| crc);
+        let table_crc = self.in_use.as_ref().map_or(0, InUse::crc);
         if let Err(error) = self.storage.set_offsets(table_crc, &offsets) {
             crate::warn!("offsets: {}", error);
             self.record_fault(Fault::Flash, 0);
@@ -350,6 +356,13 @@ where
             .saturating_add(moments)
             .saturating_add(replies)
     }
+}
+
+/// What there is to take out before the first temperatures.
+pub(super) fn constant<const C: usize, const A: usize>(
+    thermal: Option<&UnitThermal<'_, C, A>>,
+) -> [BiasRamp<A>; C] {
+    thermal.map_or([no_bias(); C], UnitThermal::constant)
 }
 
 /// What there is to take out without a table: nothing, and the sample is marked as not to be used.

@@ -4,10 +4,13 @@ use heapless::Vec;
 use tempco::MAX_AXES;
 use tempco_image::{Fit, Image, ImageError, Misfit};
 use tempco_link::{Bank, Fault, FaultEntry, MAX_FAULTS, Refusal};
-use tempco_store::{Active, Checked, FaultLog, Offsets, Slot, SlotState, Store, StoreError};
+use tempco_store::{
+    Active, Checked, FaultLog, Numbers, Offsets, Slot, SlotState, Store, StoreError,
+};
 
 use super::SERIAL;
 use super::devices::{Flash, Regions};
+use super::in_use::{InUse, Room};
 
 /// Codes in the log: those that a set of faults can have, and the number of boots behind them,
 /// where it stays when there are more faults.
@@ -66,8 +69,8 @@ fn accept<const C: usize, const A: usize>(
 }
 
 impl<'t, F: Flash> Storage<'t, F> {
-    /// Opens the flash, loads the image to use into `buffer` and validates it; it must fit the
-    /// board as `fits` says. Where there is none, the unit runs uncompensated. Both buffers must be
+    /// Opens the flash, loads the image to use into `room` and validates it; it must fit the
+    /// board as `fits` says. Where there is none, the unit runs uncompensated. `scratch` must be
     /// aligned to 4 bytes.
     ///
     /// # Errors
@@ -76,21 +79,21 @@ impl<'t, F: Flash> Storage<'t, F> {
         mut flash: F,
         regions: Regions,
         fits: &[[Fit; A]; C],
-        buffer: &'t mut [u8],
+        room: &mut Room<'t, C, A>,
         scratch: &'t mut [u8],
-    ) -> Result<(Self, Option<Image<'t>>), StoreError> {
+    ) -> Result<(Self, Option<InUse<'t, C, A>>), StoreError> {
         let mut faults = FaultLog::open(&mut flash, regions.faults)?;
-        // Without the log the number of the boot is not known either, but nothing else is.
-        _ = faults.record(&mut flash, BOOTS, 0, 0);
         let offsets = Offsets::open(&mut flash, regions.offsets)?;
+        // The number of the boot is in both, so that neither need be readable.
+        if let Some(numbers) = offsets.numbers() {
+            faults.at_least_boot(numbers.boot.saturating_add(1));
+        }
+        _ = faults.record(&mut flash, BOOTS, 0, 0);
         let [a, b] = regions.slots;
         let mut store = Store::new(&flash, a, b)?;
         let fits: Vec<Fit, MAX_AXES> = Vec::from_slice(fits.as_flattened()).unwrap_or_default();
-        let boot = store.boot(&mut flash, buffer, accept::<C, A>(&fits));
-        let image = boot.active.and_then(|active| {
-            let buffer: &'t [u8] = buffer;
-            Image::read(buffer.get(..active.len)?).ok()
-        });
+        let boot = store.boot(&mut flash, room.free(), accept::<C, A>(&fits));
+        let in_use = boot.active.and_then(|active| room.take(active.len));
         let storage = Self {
             flash,
             regions,
@@ -105,12 +108,56 @@ impl<'t, F: Flash> Storage<'t, F> {
                 _ => None,
             }),
         };
-        Ok((storage, image))
+        Ok((storage, in_use))
     }
 
-    /// The number of this boot.
-    pub const fn boot_number(&self) -> u32 {
-        self.faults.boot()
+    /// Loads the image in use again, into what is left of the room. Where that fails, there is none
+    /// in use any more.
+    pub fn reload<const C: usize, const A: usize>(
+        &mut self,
+        room: &mut Room<'t, C, A>,
+    ) -> Option<InUse<'t, C, A>> {
+        let Self {
+            store,
+            flash,
+            fits,
+            active,
+            ..
+        } = self;
+        let image = active.take()?;
+        let loaded = store.reload(flash, image, room.free(), accept::<C, A>(fits));
+        let in_use = loaded.ok().and_then(|()| room.take(image.len))?;
+        *active = Some(image);
+        Some(in_use)
+    }
+
+    /// The first number of a session that nobody has been promised. Without a record the numbers
+    /// begin where no boot before can have come to, by the number of this one.
+    pub fn promised_sessions(&self) -> u32 {
+        let first = self.faults.boot().saturating_mul(1 << 16);
+        self.offsets
+            .numbers()
+            .map_or(first, |numbers| numbers.session)
+    }
+
+    /// Resets in a row that nobody wanted.
+    pub fn resets(&self) -> u32 {
+        self.offsets.numbers().map_or(0, |numbers| numbers.resets)
+    }
+
+    /// Keeps the number of this boot, the first session that is not promised, and the number of resets
+    /// in a row.
+    ///
+    /// # Errors
+    /// A failing flash; sessions may then have the same numbers again after a reset.
+    pub fn keep_numbers(&mut self, session: u32, resets: u32) -> Result<(), StoreError> {
+        let boot = self.faults.boot();
+        let numbers = Numbers {
+            boot,
+            session,
+            resets,
+        };
+        self.offsets.set_numbers(&mut self.flash, numbers)
     }
 
     /// The image in use.

@@ -16,14 +16,13 @@ use tempco_firmware::unit::devices::{
 };
 use tempco_firmware::unit::exchange::{Counts, Exchange};
 use tempco_firmware::unit::fit::{UNITS, fits, scale};
+use tempco_firmware::unit::in_use::{Accepted, InUse, PLACES, Room};
 use tempco_firmware::unit::known_answer;
 use tempco_firmware::unit::offsets::Offsets;
 use tempco_firmware::unit::rezero::Limits;
 use tempco_firmware::unit::storage::Storage;
-use tempco_firmware::unit::{
-    AXES, CHANNELS, IMAGE_LEN, Next, Parts, SERIAL, Sampling, Unit, UnitTables,
-};
-use tempco_image::{AlignedBytes, Axis, Channel, Info, Unit as AxisUnit, encode};
+use tempco_firmware::unit::{AXES, CHANNELS, IMAGE_LEN, Next, Parts, SERIAL, Sampling, Unit};
+use tempco_image::{AlignedBytes, Axis, Channel, Image, Info, Unit as AxisUnit, encode};
 use tempco_link::{
     Client, Event, Fault, FaultEntry, FaultSet, MAX_CHUNK, Refusal, Request, Response, Telemetry,
 };
@@ -38,7 +37,7 @@ pub(crate) const SCHEDULE: Schedule = Schedule {
 
 /// What lies outside the unit, and what outlives its resets.
 pub(crate) struct Bench {
-    pub(crate) flash: Vec<AtomicU32>,
+    pub(crate) flash: Rc<[AtomicU32]>,
     pub(crate) readings: Rc<RefCell<Vec<Result<f32, SensorFault>>>>,
     pub(crate) counts: Rc<Cell<i32>>,
     pub(crate) fed: Rc<Cell<u32>>,
@@ -50,6 +49,10 @@ pub(crate) struct Bench {
     pub(crate) units: [[AxisUnit; AXES]; CHANNELS],
     /// In place of the test by the known answer.
     pub(crate) knows_the_answer: fn() -> bool,
+    /// What is in RAM from the start, in place of the image that the next boot has accepted: an upset.
+    pub(crate) upset: Option<Vec<u8>>,
+    /// Places for tables.
+    pub(crate) places: usize,
     line: Line,
     client: Client,
 }
@@ -270,6 +273,8 @@ impl Bench {
             held: Rc::default(),
             units: UNITS,
             knows_the_answer: known_answer::is_right,
+            upset: None,
+            places: PLACES,
             line: Line::default(),
             client: Client::new(),
         }
@@ -298,15 +303,26 @@ impl Bench {
         crash: Option<u32>,
         test: impl FnOnce(&mut Self, &mut dyn Running) -> R,
     ) -> R {
-        let cells = std::mem::take(&mut self.flash);
+        let cells = self.flash.clone();
         let mut buffer = AlignedBytes([0; IMAGE_LEN]);
         let mut scratch = AlignedBytes([0; IMAGE_LEN]);
         let fits = fits::<G, CHANNELS, AXES>(&self.units);
-        let (storage, image) =
-            Storage::boot(Nor(&cells), REGIONS, &fits, &mut buffer.0, &mut scratch.0).unwrap();
-        let tables: Option<UnitTables<CHANNELS, AXES>> =
-            image.as_ref().map(|image| image.tables().unwrap());
-        let table_crc = image.as_ref().map_or(0, |image| image.info().table_crc);
+        let mut places = [const { None }; PLACES];
+        let mut room = Room::new(&mut buffer.0, &mut places[..self.places]);
+        let (storage, in_use) =
+            Storage::boot(Nor(&cells), REGIONS, &fits, &mut room, &mut scratch.0).unwrap();
+        let table_crc = in_use.as_ref().map_or(0, InUse::crc);
+        let (mut other, upset) = (AlignedBytes([0; IMAGE_LEN]), self.upset.take());
+        let damaged = upset.map(|image| {
+            other.0[..image.len()].copy_from_slice(&image);
+            let accepted = in_use.as_ref().unwrap();
+            Accepted {
+                tables: Image::read(&other.0).unwrap().tables().unwrap(),
+                crc: accepted.crc(),
+                sums: accepted.sums().clone(),
+            }
+        });
+        let in_use = damaged.as_ref().map(InUse::new).or(in_use);
         let counts = Counts::new();
         let mut exchange = Exchange::new();
         let (interrupt_ends, ends) = exchange.split(&counts);
@@ -316,7 +332,8 @@ impl Bench {
         let sampling = Sampling::new(gyro, interrupt_ends, scale);
         let parts = Parts {
             storage,
-            tables: tables.as_ref().map(|tables| (tables, table_crc)),
+            in_use,
+            room,
             offsets,
             ends,
             clock: Timer {
@@ -341,7 +358,6 @@ impl Bench {
         let mut unit = Unit::new(parts, devices, crash);
         let result = test(self, &mut unit);
         drop(unit);
-        self.flash = cells;
         result
     }
 
@@ -359,10 +375,18 @@ impl Bench {
 
     /// Opens a session.
     pub(crate) fn connect(&mut self, unit: &mut dyn Running) {
-        let hello = self.client.hello(1234).unwrap().to_vec();
+        self.open_session(unit, 1234);
+    }
+
+    /// Opens a session, and returns its number. The nonce is to be another one than last time.
+    pub(crate) fn open_session(&mut self, unit: &mut dyn Running, nonce: u32) -> u32 {
+        let hello = self.client.hello(nonce).unwrap().to_vec();
         self.send(&hello);
-        let opened = self.answer(unit, |response| matches!(response, Response::Hello { .. }));
-        assert!(opened.0, "a session");
+        let (number, _) = self.answer(unit, |response| match response {
+            Response::Hello { session, .. } => *session,
+            other => panic!("{other:?}"),
+        });
+        number
     }
 
     /// Asks, and takes from the answer what the test needs; whether the unit goes on.
