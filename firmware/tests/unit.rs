@@ -9,7 +9,7 @@ use tempco::{Status, Stream, Terms, Validity};
 use tempco_firmware::board::mps2_an386::nor::{Nor, REGIONS};
 use tempco_firmware::unit::devices::ResetCause;
 use tempco_firmware::unit::{AXES, CHANNELS, Next, SERIAL};
-use tempco_image::{Axis, Unit as AxisUnit};
+use tempco_image::{Axis, CRC, Unit as AxisUnit};
 use tempco_link::{
     Axes, Bank, BlockCrc, Channels, Fault, FaultSet, Refusal, Request, Response, Sample,
     SampleBlock,
@@ -974,6 +974,56 @@ fn numbers_of_sessions_and_boots_never_come_again() {
         });
     }
     assert_eq!(last.1, 14, "twelve boots after two");
+}
+
+/// A fault log that has had its erasures: the unit says so, counts on, and erases no more.
+#[test]
+fn a_worn_fault_log_is_written_no_more() {
+    let mut bench = Bench::with_tables();
+    let first = REGIONS.faults.start as usize / 4;
+    let words = REGIONS.faults.len as usize / 4;
+    let log = &bench.flash[first..first + words];
+    for cell in log {
+        cell.store(u32::MAX, Ordering::Relaxed);
+    }
+    let mark = [u32::from_le_bytes(*b"TCF3"), u32::MAX, 19_999, 0, 0, 0, 0];
+    let crc = CRC.checksum(&mark.map(u32::to_le_bytes).concat());
+    for (cell, word) in log.iter().zip(mark.into_iter().chain([crc])) {
+        cell.store(word, Ordering::Relaxed);
+    }
+    let used = |bench: &Bench| {
+        let cells = bench.flash[first..first + words].iter();
+        let cells = cells.map(|cell| cell.load(Ordering::Relaxed));
+        cells.filter(|word| *word != u32::MAX).count()
+    };
+    let mut before = 0;
+    let mut boots = 0;
+    for _ in 0..200 {
+        bench.boot(|bench, unit| {
+            bench.connect(unit);
+            bench.wait(unit, 0.2);
+            assert_eq!(bench.faults(unit), FaultSet::from(Fault::LogWorn));
+            let log = bench.log(unit);
+            let (_, entry) = log
+                .iter()
+                .find(|(fault, _)| *fault == Fault::LogWorn)
+                .unwrap();
+            assert_eq!(entry.detail, 10_000);
+            let wear = bench.ask(unit, &Request::Wear, |response| match response {
+                Response::Wear(wear) => *wear,
+                other => panic!("{other:?}"),
+            });
+            assert_eq!(wear.faults, 10_000);
+            // A half has the entries of 100 boots.
+            assert_eq!(wear.offsets, 1 + boots / 202);
+            assert!(entry.boot > boots, "boots are counted elsewhere");
+            boots = entry.boot;
+        });
+        assert!(used(&bench) >= before, "never erased");
+        before = used(&bench);
+    }
+    assert!(before < words / 2, "nothing in the other half");
+    assert_eq!(boots, 202);
 }
 
 /// Time since power-on at which the unit first answers, less the resolution \[s\].

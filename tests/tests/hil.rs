@@ -350,9 +350,10 @@ fn a_unit_is_watched_line_by_line() {
     );
     let faults = bench.ok(&format!("faults --port {port}"));
     assert!(faults.contains("| sensor stuck"), "{faults}");
-    assert_eq!(faults.lines().count(), 2 + 11 + 1, "{faults}");
+    assert_eq!(faults.lines().count(), 2 + 11 + 2, "{faults}");
     let lost = "lost since power-on: 3 gyro samples, 0 outcomes for telemetry, 0 of replays\n";
-    assert!(faults.ends_with(lost), "{faults}");
+    let erased = "erased so far, each half: fault log 12 times, offsets 4\n";
+    assert!(faults.ends_with(&format!("{lost}{erased}")), "{faults}");
 }
 
 /// A set in deg/h from pulses of 0.5 arcsec, into a unit whose pulses are of 1 arcsec.

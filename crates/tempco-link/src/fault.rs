@@ -59,11 +59,13 @@ pub enum Fault {
     DataReady,
     /// The table in use was damaged in RAM, and was loaded again from the store.
     TableUpset,
+    /// The fault log has had as many erasures as its flash stands, and is written no more.
+    LogWorn,
 }
 
 impl Fault {
     /// Every fault, by its code.
-    pub const ALL: [Self; 24] = [
+    pub const ALL: [Self; 25] = [
         Self::NoTable,
         Self::SpareTable,
         Self::Flash,
@@ -88,6 +90,7 @@ impl Fault {
         Self::GyroSilent,
         Self::DataReady,
         Self::TableUpset,
+        Self::LogWorn,
     ];
 
     /// The code, as in a fault log.
@@ -139,6 +142,7 @@ impl Fault {
             Self::GyroSilent => "gyro silent",
             Self::DataReady => "data ready",
             Self::TableUpset => "table upset",
+            Self::LogWorn => "log worn",
         }
     }
 }

@@ -82,5 +82,6 @@ pub use frame::{Frame, LinkError, MAX_FRAME, MAX_MESSAGE};
 pub use message::{
     Axes, Bank, ChannelTelemetry, Channels, FaultEntry, Losses, MAX_BLOCK, MAX_CHUNK, MAX_FAULTS,
     Outcome, OutcomeBlock, Refusal, Request, Response, Sample, SampleBlock, Telemetry, VERSION,
+    Wear,
 };
 pub use server::{Handler, Server};

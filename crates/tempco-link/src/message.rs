@@ -113,6 +113,8 @@ pub enum Request<'a> {
     ClearOffsets,
     /// Asks for [`Response::Losses`].
     Losses,
+    /// Asks for [`Response::Wear`].
+    Wear,
 }
 
 /// What a unit says.
@@ -192,6 +194,8 @@ pub enum Response<'a> {
     Block(OutcomeBlock<'a>),
     /// What was lost since power-on.
     Losses(Losses),
+    /// How much of the flash is used up.
+    Wear(Wear),
 }
 
 /// Why a request was not carried out.
@@ -338,6 +342,16 @@ pub struct Losses {
     pub moments: u32,
     /// Outcomes of replayed samples.
     pub replies: u32,
+}
+
+/// How often the flash of a unit was erased: of each region, the half that was erased more often.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Wear {
+    /// The fault log.
+    pub faults: u32,
+    /// The offsets of re-zero, and the numbers of boots and sessions.
+    pub offsets: u32,
 }
 
 /// The state of a unit.

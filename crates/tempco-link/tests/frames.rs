@@ -10,7 +10,7 @@ use tempco_image::CRC;
 use tempco_link::{
     Axes, Bank, ChannelTelemetry, Decoder, FaultEntry, FaultSet, Frame, LinkError, Losses,
     MAX_BLOCK, MAX_CHUNK, MAX_FAULTS, MAX_FRAME, MAX_MESSAGE, Outcome, OutcomeBlock, Refusal,
-    Request, Response, Sample, SampleBlock, Server, Telemetry,
+    Request, Response, Sample, SampleBlock, Server, Telemetry, Wear,
 };
 
 fn filled<T: Clone, const N: usize>(value: &T) -> heapless::Vec<T, N> {
@@ -177,6 +177,7 @@ fn the_encoding_does_not_change() {
         ),
         (14, Request::ClearOffsets),
         (15, Request::Losses),
+        (16, Request::Wear),
     ] {
         assert_eq!(plain(&wire(9, 1, &request)).unwrap()[..3], [9, 1, number]);
     }
@@ -219,6 +220,7 @@ fn the_encoding_does_not_change() {
             }),
         ),
         (11, Response::Losses(Losses::default())),
+        (12, Response::Wear(Wear::default())),
     ] {
         let frame = Frame {
             session: 9,

@@ -10,6 +10,9 @@ use crate::{Region, StoreError};
 
 const MAGIC: u32 = u32::from_le_bytes(*b"TCF3");
 
+/// Erasures of a half after which the log is worn: what data sheets promise of most flashes.
+const MOST_ERASURES: u32 = 10_000;
+
 /// What is known of one fault.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -127,6 +130,17 @@ impl<const CODES: usize> FaultLog<CODES> {
         self.boot = self.boot.max(boot);
     }
 
+    /// How often a half was erased, as far as its marks can be read.
+    pub const fn erasures(&self) -> u32 {
+        self.journal.erasures()
+    }
+
+    /// Whether the log has had its 10,000 erasures. When its half is full, nothing more is written;
+    /// faults are counted here all the same.
+    pub const fn is_worn(&self) -> bool {
+        self.erasures() >= MOST_ERASURES
+    }
+
     /// The number of this boot, from 1 on; boots without a fault count once.
     pub const fn boot(&self) -> u32 {
         self.boot
@@ -138,6 +152,9 @@ impl<const CODES: usize> FaultLog<CODES> {
             if let Some(written) = self.written.get_mut(code) {
                 *written = fault.count;
             }
+            return Ok(());
+        }
+        if self.is_worn() {
             return Ok(());
         }
         let faults = (0..CODES).zip(&self.faults);

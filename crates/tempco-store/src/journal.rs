@@ -64,6 +64,11 @@ impl<const N: usize> Journal<N> {
         Ok(journal)
     }
 
+    /// How often the half that was erased more often was erased.
+    pub(crate) const fn erasures(&self) -> u32 {
+        self.turns.div_ceil(2)
+    }
+
     /// The number of the turn by which a half was completed.
     fn mark<F: NorFlash>(&self, flash: &mut F, half: Half) -> Option<u32> {
         let mut entries = self.strip::<F>(half).entries(flash);

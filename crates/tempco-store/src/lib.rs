@@ -43,7 +43,9 @@
 //! An entry is a few little-endian u32, padded with 0xff to whole words of the flash: magic, key,
 //! contents, and the CRC-32P4 of what is before. The mark has 0xffffffff for the key and then
 //! the number of the turn. The half with the later mark counts, and in it the latest entry of a key.
-//! Offsets have key 0 of their region, the numbers of boots and sessions key 1.
+//! Offsets have key 0 of their region, the numbers of boots and sessions key 1. The number of the turn is
+//! also the count of erasures, two turns for each half: a fault log that has had 10,000 is written no
+//! more.
 //!
 //! # Boot
 //! [`Store::boot`] tries the slots, the latest first: load, CRCs, the caller's validation. It makes

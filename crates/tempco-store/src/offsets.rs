@@ -110,6 +110,11 @@ impl<const AXES: usize> Offsets<AXES> {
         Ok(())
     }
 
+    /// How often a half was erased, as far as its marks can be read.
+    pub const fn erasures(&self) -> u32 {
+        self.journal.erasures()
+    }
+
     /// The numbers as they were set last, if they were.
     pub const fn numbers(&self) -> Option<Numbers> {
         self.numbers

@@ -68,6 +68,37 @@ fn a_frequent_fault_does_not_wear_out_the_flash() {
     assert_eq!(flash.operations, operations, "nothing was left to write");
 }
 
+/// Up to the last erasure that the log may have, from the mark of a half that was completed before.
+#[test]
+fn a_worn_log_is_erased_no_more() {
+    let mut flash = Small::new(4);
+    let mark = [u32::from_le_bytes(*b"TCF3"), u32::MAX, 19_998, 0, 0, 0, 0];
+    let mut bytes = mark.map(u32::to_le_bytes).concat();
+    bytes.extend(CRC.checksum(&bytes).to_le_bytes());
+    flash.write(REGION.start, &bytes).unwrap();
+    let mut counted = 0;
+    let mut last = (9_999, false);
+    for boot in 0..100 {
+        let mut log = open(&mut flash);
+        assert!(log.faults()[1].count <= boot);
+        log.record(&mut flash, 1, 0, 0).unwrap();
+        counted = log.faults()[1].count;
+        let now = (log.erasures(), log.is_worn());
+        assert!(now == last || now == (10_000, true), "{now:?}");
+        last = now;
+    }
+    // Behind the mark there are 15 places. The turn writes an entry and its mark, which leaves 14. The
+    // last occurrence is only counted.
+    assert_eq!((last, counted), ((10_000, true), 15 + 1 + 14 + 1));
+    let operations = flash.operations;
+    let mut log = open(&mut flash);
+    for _ in 0..100 {
+        log.record(&mut flash, 2, 0, 0).unwrap();
+    }
+    log.flush(&mut flash).unwrap();
+    assert_eq!((flash.operations, log.faults()[2].count), (operations, 100));
+}
+
 /// All single cuts and pairs of cuts over two turns of the halves: each fault has the count from
 /// before or after what was being recorded, the others what they had.
 #[test]

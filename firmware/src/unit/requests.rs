@@ -65,6 +65,7 @@ where
             } => self.re_zero(averaging_s, &expected),
             Request::ClearOffsets => done(self.clear_offsets()),
             Request::Losses => Response::Losses(self.ends.counts.losses()),
+            Request::Wear => Response::Wear(self.storage.wear()),
             // A table into the bank that is not in use: begin, chunks, commit. Then, or at any time,
             // it is activated.
             Request::UploadBegin { len } => match self.storage.upload_begin(len) {

@@ -56,6 +56,9 @@ where
         self.note_well();
         self.wants_reset |= self.has_lost_table && self.time.uptime_s() >= RESET_AFTER_S;
         self.check_tables();
+        if self.storage.is_worn() {
+            self.record_fault(Fault::LogWorn, self.storage.wear().faults);
+        }
         self.health.heal(now_ms);
         let now = Known {
             overruns: self.overruns(),

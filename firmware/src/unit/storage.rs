@@ -3,7 +3,7 @@
 use heapless::Vec;
 use tempco::MAX_AXES;
 use tempco_image::{Fit, Image, ImageError, Misfit};
-use tempco_link::{Bank, Fault, FaultEntry, MAX_FAULTS, Refusal};
+use tempco_link::{Bank, Fault, FaultEntry, MAX_FAULTS, Refusal, Wear};
 use tempco_store::{
     Active, Checked, FaultLog, Numbers, Offsets, Slot, SlotState, Store, StoreError,
 };
@@ -182,6 +182,19 @@ impl<'t, F: Flash> Storage<'t, F> {
     pub fn record(&mut self, fault: Fault, uptime_s: u32, detail: u32) -> Result<(), StoreError> {
         let code = fault.code().into();
         self.faults.record(&mut self.flash, code, uptime_s, detail)
+    }
+
+    /// How often the flash was erased.
+    pub const fn wear(&self) -> Wear {
+        Wear {
+            faults: self.faults.erasures(),
+            offsets: self.offsets.erasures(),
+        }
+    }
+
+    /// Whether the fault log has been erased too often to be written.
+    pub const fn is_worn(&self) -> bool {
+        self.faults.is_worn()
     }
 
     /// Writes what was counted but not yet written, before a reset that is planned.

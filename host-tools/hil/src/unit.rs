@@ -8,7 +8,7 @@ use tempco::Schedule;
 use tempco_image::{Fit, Unit as AxisUnit};
 use tempco_link::{
     Bank, Client, Event, FaultEntry, FaultSet, LinkError, Losses, MAX_FAULTS, Refusal, Request,
-    Response, Telemetry, VERSION,
+    Response, Telemetry, VERSION, Wear,
 };
 
 use crate::{Error, Port};
@@ -349,6 +349,17 @@ impl Unit {
         })
     }
 
+    /// How often the flash of the unit was erased.
+    ///
+    /// # Errors
+    /// As of [`ask`](Self::ask).
+    pub fn wear(&mut self) -> Result<Wear, Error> {
+        self.ask(&Request::Wear, |response| match response {
+            Response::Wear(wear) => Some(*wear),
+            _ => None,
+        })
+    }
+
     /// Asks what is answered by [`Response::Done`] alone.
     ///
     /// # Errors
@@ -390,6 +401,7 @@ const fn is_repeatable(request: &Request) -> bool {
             | Request::Faults { .. }
             | Request::Restart
             | Request::Losses
+            | Request::Wear
     )
 }
 
@@ -412,6 +424,7 @@ const fn name(request: &Request) -> &'static str {
         Request::Block(_) => "a block of a log",
         Request::ClearOffsets => "the clearing of its offsets",
         Request::Losses => "the question what it has lost",
+        Request::Wear => "the question how its flash is worn",
         _ => "a request",
     }
 }

@@ -135,7 +135,7 @@ fn log(flash: &mut RamFlash, region: Region) -> Result<(), StoreError> {
         log.record(flash, black_box(1), second, black_box(0))?;
     }
     log.flush(flash)?;
-    _ = black_box((log.faults(), log.boot()));
+    _ = black_box((log.faults(), log.boot(), log.erasures(), log.is_worn()));
     Ok(())
 }
 
@@ -151,7 +151,7 @@ fn biases(flash: &mut RamFlash, region: Region) -> Result<(), StoreError> {
         resets: 0,
     };
     offsets.set_numbers(flash, black_box(numbers))?;
-    _ = black_box(offsets.numbers());
+    _ = black_box((offsets.numbers(), offsets.erasures()));
     _ = black_box((offsets.table_crc(), offsets.of(black_box(TABLE_CRC))));
     Ok(())
 }

@@ -9,7 +9,8 @@ use crate::unit::port_args::PortArgs;
 
 /// Show the fault log of a unit
 ///
-/// Prints each fault, how often and when last it occurred, and what was lost since power-on.
+/// Prints each fault, how often and when last it occurred, what was lost since power-on, and how often
+/// the flash was erased.
 #[derive(clap::Args)]
 #[command(after_help = "Example: tempco faults --port /dev/ttyUSB0")]
 pub(crate) struct Args {
@@ -29,6 +30,11 @@ pub(crate) fn run(args: &Args) -> Result<Exit> {
     print(format_args!(
         "lost since power-on: {} gyro samples, {} outcomes for telemetry, {} of replays",
         losses.missed_samples, losses.moments, losses.replies
+    ))?;
+    let wear = unit.wear()?;
+    print(format_args!(
+        "erased so far, each half: fault log {} times, offsets {}",
+        wear.faults, wear.offsets
     ))?;
     Ok(Exit::Acceptable)
 }

@@ -10,7 +10,7 @@ use tempco::{Schedule, Stream, Table, Terms, ThermalSettings};
 use tempco_image::{AlignedBytes, Axis, CRC, Channel, Fit, Image, Info, Unit, encode};
 use tempco_link::{
     Bank, BlockCrc, ChannelTelemetry, FaultEntry, Handler, Losses, MAX_FAULTS, Outcome,
-    OutcomeBlock, Refusal, Request, Response, Sample, SampleBlock, Server, Telemetry,
+    OutcomeBlock, Refusal, Request, Response, Sample, SampleBlock, Server, Telemetry, Wear,
 };
 use tempco_replay::Replay;
 
@@ -128,6 +128,10 @@ impl Handler for Running {
             Request::Losses => Response::Losses(Losses {
                 missed_samples: 3,
                 ..Losses::default()
+            }),
+            Request::Wear => Response::Wear(Wear {
+                faults: 12,
+                offsets: 4,
             }),
             Request::Identify => {
                 let fit = flash.fit.unwrap_or(FIT);
