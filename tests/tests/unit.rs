@@ -281,7 +281,7 @@ fn a_brown_out_at_any_instant_leaves_a_table() {
     // How long an update takes on this host, which decides when to cut.
     let start = Instant::now();
     upload(&mut rig.unit, &quick_table(3)).unwrap();
-    let whole_us = start.elapsed().as_micros() as u64;
+    let mut whole_us = start.elapsed().as_micros() as u64;
     rig.machine.reset().unwrap();
     rig.unit.reconnect().unwrap();
 
@@ -313,6 +313,12 @@ fn a_brown_out_at_any_instant_leaves_a_table() {
             new += 1;
         }
         idle += usize::from(uploaded.is_ok());
+        // The host may be more or less busy than it was: half of the cuts are to come too late.
+        if uploaded.is_ok() {
+            whole_us -= whole_us / 8;
+        } else {
+            whole_us += whole_us / 8;
+        }
         newest = identity.table_crc;
         if number % 500 == 499 {
             println!("{} brown-outs", number + 1);
