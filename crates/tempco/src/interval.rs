@@ -61,6 +61,7 @@ impl Interval {
         let longest_s = thermal.longest_interval_s();
         let real_s = if forward { dt_s } else { 0.0 };
         let gap = Sign::above(magnitude(real_s), magnitude(longest_s));
+        // The same comparison, of floats: the solvers do not find the slew behind that of bits.
         let used_s = if real_s > longest_s {
             longest_s
         } else {

@@ -15,7 +15,7 @@ pub(crate) struct Sign(pub(crate) i32);
 
 impl PartialEq for Sign {
     fn eq(&self, other: &Self) -> bool {
-        (self.0 < 0) == (other.0 < 0)
+        self.holds() == other.holds()
     }
 }
 
@@ -56,7 +56,7 @@ impl Sign {
     /// `yes` where it holds, else `no`.
     #[inline(always)]
     pub(crate) fn select<T>(self, yes: T, no: T) -> T {
-        select_unpredictable(self.0 < 0, yes, no)
+        select_unpredictable(self.holds(), yes, no)
     }
 
     /// As [`select`](Self::select), by bits: a selection outside of a loop became a branch.
